@@ -63,9 +63,9 @@ static void see_surface(sensor *s, const rsv_specular_path *end)
         rsv_elements_interpolate(e, s->daylight->light->irradiance, face, end->u, end->v);
     rsv_rgb seen = rgb_mul(end->weight, bsdf->base_color);
     s->light[s->group] += (double)rgb_luminance(rgb_mul(seen, stored));
-    if (s->noise)
-        rsv_shared_noise_add(&s->shared, s->noise, face, end->u, end->v,
-            rgb_luminance(seen) * share / RSV_PI, rgb_luminance(stored));
+    const rsv_stored_lookup found = { face, end->u, end->v, rgb_luminance(seen) * share / RSV_PI,
+        rgb_luminance(stored) };
+    if (s->noise) rsv_shared_noise_add(&s->shared, s->noise, &found);
 }
 
 static void trace(sensor *s, rsv_vec3 direction, rsv_random *random)
@@ -77,8 +77,7 @@ static void trace(sensor *s, rsv_vec3 direction, rsv_random *random)
         see_sky(s, direction, direction, 1);
         return;
     }
-    rsv_specular_path path =
-        rsv_specular_begin(scene, &s->place.medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path path = rsv_specular_begin(scene, &s->place.medium, direction, hit);
     s->backs += is_back_of_wall(s, &path);
     rsv_gather gather = rsv_specular_gather(scene, path, random, counts_nothing, NULL);
     if (gather.end == RSV_SPECULAR_ESCAPED)
@@ -128,8 +127,7 @@ double rsv_sun_passed(const rsv_daylight *d, const rsv_sensor_place *place, rsv_
     rsv_ray ray = { place->origin, direction, INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit)) return 1;
-    rsv_specular_path path =
-        rsv_specular_begin(scene, &place->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path path = rsv_specular_begin(scene, &place->medium, direction, hit);
     for (int panes = 0; panes < MOST_PANES; panes++) {
         rsv_bsdf_branches branches = rsv_specular_branches(scene, &path);
         if (rgb_is_black(branches.transmit)) return 0;
