@@ -67,7 +67,7 @@ static rsv_status add_target(
     const reading *r, attribute a, float weight, size_t vertex_count, float *values, size_t width)
 {
     float *change = NULL;
-    size_t change_width;
+    size_t change_width = 0;
     if (a.accessor < 0 || weight == 0) return RSV_OK;
     rsv_status status = read_attribute(r, a, vertex_count, &change, &change_width);
     size_t shared = change_width < width ? change_width : width;

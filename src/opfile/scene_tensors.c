@@ -82,6 +82,7 @@ static rsv_status write_struct_names(
 {
     const char **name = rsv_alloc(file->context, count, sizeof *name);
     if (!name) return RSV_ERROR_MEMORY;
+    RSV_ASSERT(first || count == 0);
     for (size_t k = 0; k < count; k++)
         name[k] = *(const char *const *)((const char *)first + k * stride);
     rsv_status status = rsv_write_names(file, note, name, count);
@@ -95,6 +96,7 @@ static rsv_status read_struct_names(
     const char **name = rsv_alloc(file->context, count, sizeof *name);
     if (!name) return RSV_ERROR_MEMORY;
     rsv_status status = rsv_read_names(file, note, count, name, list);
+    RSV_ASSERT(first || count == 0);
     for (size_t k = 0; status == RSV_OK && k < count; k++)
         *(const char **)((char *)first + k * stride) = name[k];
     rsv_free(file->context, name);
