@@ -2,6 +2,7 @@
 
 #include "../core/sampling.h"
 #include "../operator/receiver_points.h"
+#include "../trace/packet.h"
 
 #include <string.h>
 
