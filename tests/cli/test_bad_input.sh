@@ -31,7 +31,7 @@ done
 refuses 2 'without --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
 printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
 for fogless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --mode occlusion" "solve furnace -o $out/a.safetensors" \
-    "bake furnace -o $out/a.glb --to vertex" "certify furnace" "view furnace --record $out/f --frames 1" \
+    "bake furnace -o $out/a.glb --to vertex" "certify furnace" "view furnace --record frames --frames 1" \
     "probe furnace --points middle.csv -o $out/a.csv"; do
     refuses 1 'fog: .*mode reference' $fogless --fog 1
 done

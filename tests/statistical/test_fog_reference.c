@@ -484,7 +484,7 @@ static void face_fluence(const world *w, rsv_vec3 from, rsv_vec3 towards, rsv_rg
     rsv_image *image;
     desc.mode = RSV_RENDER_REFERENCE;
     desc.width = desc.height = SIDE;
-    desc.samples = 2048;
+    desc.samples = 1024;
     desc.viewpoint = &camera;
     assert_int_equal(rsv_render_reference(w->scene, &desc, &image, NULL), RSV_OK);
     const rsv_rgb *pixel = rsv_image_pixels(image, 0);
