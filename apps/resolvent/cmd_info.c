@@ -1,4 +1,5 @@
 #include "command.h"
+#include "luminaire_info.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -15,7 +16,9 @@ static const char help[] =
     "Says what SCENE (a file or a built-in scene) holds once "
     "its instances are placed:\n"
     "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
-    "`resolvent solve` it also says what was solved.\n"
+    "`resolvent solve` it also says what was solved. Of a luminaire (.ies, .ldt): its angles, "
+    "flux, peak\n"
+    "and power.\n"
     "\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
     "examples:\n"
@@ -406,6 +409,21 @@ static void print_text(const char *name, const cli_subject *subject, const total
     print_operator(subject->solution);
 }
 
+/// A scene or an operator file.
+static bool print_subject(
+    cli_session *session, const char *name, const cli_environment *environment, bool json)
+{
+    cli_subject subject;
+    totals t = { 0 };
+    bool printed = cli_open_subject(session, name, environment, &subject) &&
+                   add_up(rsv_scene_get_view(subject.scene), &t);
+    if (printed && json) printed = print_json(session, name, &subject, &t);
+    if (printed && !json) print_text(name, &subject, &t);
+    free_totals(&t);
+    cli_close_subject(&subject);
+    return printed;
+}
+
 int cli_info(int argc, char **argv)
 {
     const char *name = NULL, *mesh = NULL;
@@ -424,14 +442,8 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
-    cli_subject subject;
-    totals t = { 0 };
-    bool printed = cli_open_subject(&session, name, &environment, &subject) &&
-                   add_up(rsv_scene_get_view(subject.scene), &t);
-    if (printed && json) printed = print_json(&session, name, &subject, &t);
-    if (printed && !json) print_text(name, &subject, &t);
-    free_totals(&t);
-    cli_close_subject(&subject);
+    bool printed = cli_is_luminaire(name) ? cli_print_luminaire(&session, name, json)
+                                          : print_subject(&session, name, &environment, json);
     cli_session_end(&session);
     return printed ? CLI_SUCCESS : CLI_FAILURE;
 }

@@ -1,5 +1,6 @@
 #include "daylight_page.h"
 
+#include "color_scale.h"
 #include "output_file.h"
 #include "session.h"
 
@@ -32,18 +33,13 @@ static void print_escaped(FILE *f, const char *text)
         }
 }
 
-/// A colour from dark blue by green to yellow, for 0 to 1: of even lightness steps (Smith and van der Walt's viridis, at nine places).
 static void print_color(FILE *f, double t)
 {
-    static const unsigned char at[9][3] = { { 68, 1, 84 }, { 71, 44, 122 }, { 59, 81, 139 },
-        { 44, 113, 142 }, { 33, 144, 141 }, { 39, 173, 129 }, { 92, 200, 99 }, { 170, 220, 50 },
-        { 253, 231, 37 } };
-    double place = 8 * fmin(fmax(t, 0), 1);
-    int k = place >= 8 ? 7 : (int)place;
-    double w = place - k;
+    double srgb[3];
+    cli_scale_color(t, srgb);
     fputc('#', f);
     for (int c = 0; c < 3; c++)
-        fprintf(f, "%02x", (unsigned)lround((1 - w) * at[k][c] + w * at[k + 1][c]));
+        fprintf(f, "%02x", (unsigned)lround(srgb[c]));
 }
 
 static void print_figure(FILE *f, rsv_figure_facts facts, rsv_figure figure)

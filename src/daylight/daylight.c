@@ -101,7 +101,7 @@ static rsv_status find_block(coefficient_job *job, size_t first, size_t count)
         rsv_importance_add(&m, job->escapes, f, &job->rays[f], reflected + f * d->patches.count);
         complete_sensor(d, d->all + at, d->bent + at, reflected + f * d->patches.count);
     }
-    RSV_TRY(rsv_progress(d->context, "sensors", (double)(first + count) / (double)d->sensor_count));
+    RSV_TRY(rsv_progress(d->context, "sky", 1));
 cleanup:
     rsv_importance_destroy(d, &m);
     rsv_free(d->context, reflected);
@@ -120,9 +120,11 @@ static rsv_status find_coefficients(rsv_daylight *d)
     RSV_TRY(rsv_transport_map_transpose(job.map));
     for (size_t first = 0; first < d->sensor_count; first += RSV_SENSOR_BLOCK) {
         size_t left = d->sensor_count - first;
+        rsv_progress_part(d->context, "sensors", (uint32_t)(first / RSV_SENSOR_BLOCK + 1));
         RSV_TRY(find_block(&job, first, left < RSV_SENSOR_BLOCK ? left : RSV_SENSOR_BLOCK));
     }
 cleanup:
+    rsv_progress_part(d->context, NULL, 0);
     rsv_transport_map_destroy(job.map);
     rsv_node_escapes_free(d->context, &escapes);
     rsv_stored_noise_destroy(&noise);

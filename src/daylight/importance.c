@@ -24,22 +24,30 @@ void rsv_importance_destroy(const rsv_daylight *d, rsv_importance *m)
     *m = (rsv_importance){ 0 };
 }
 
+/// Sensors side by side; where light scatters below surfaces, the operator's scratch memory allows one at a time.
+static rsv_status enter_weights(
+    const rsv_daylight *d, const rsv_operator_view *op, rsv_importance *m)
+{
+    size_t nodes = op->elements->node_count;
+    int threads = op->subsurface ? 1 : rsv_threads(d->context), failed = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : failed)
+    for (size_t f = 0; f < m->fields; f++) {
+        failed += rsv_goal_enter(op, m->weight + f * nodes) != RSV_OK;
+        for (size_t n = 0; n < nodes; n++)
+            m->source[n * m->fields + f] = m->worth[n * m->fields + f] = m->weight[f * nodes + n];
+    }
+    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+}
+
 rsv_status rsv_importance_solve(const rsv_daylight *d, rsv_transport_map *map, rsv_importance *m)
 {
     const rsv_operator_view *op = rsv_operator_get_view(d->light->op);
-    size_t nodes = op->elements->node_count;
     rsv_linear_report report;
     rsv_linear_desc desc = rsv_default_linear_desc(RSV_SOLVER_GMRES);
     desc.relative = ACCURACY;
     desc.max_applications = MOST_APPLICATIONS;
-    for (size_t f = 0; f < m->fields; f++) {
-        rsv_status status = rsv_goal_enter(op, m->weight + f * nodes);
-        if (status != RSV_OK) return status;
-        for (size_t n = 0; n < nodes; n++)
-            m->source[n * m->fields + f] = m->weight[f * nodes + n];
-    }
-    for (size_t k = 0; k < nodes * m->fields; k++)
-        m->worth[k] = m->source[k];
+    rsv_status status = enter_weights(d, op, m);
+    if (status != RSV_OK) return status;
     rsv_linear_map transposed = rsv_linear_map_transposed(&map->linear);
     return rsv_linear_solve(
         &transposed, 3 * m->fields, &m->source->r, &desc, &m->worth->r, &report);

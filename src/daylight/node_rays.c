@@ -73,8 +73,7 @@ static void follow(const rsv_node_job *job, const node_receiver *r, const rsv_ra
     rsv_vec3 direction = v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]);
     rsv_random random = rsv_random_from(job->daylight->desc.seed ^ 0x3ac5u, r->node,
         (r->group * job->packets + r->packet) * LANES + (uint32_t)k);
-    rsv_specular_path path =
-        rsv_specular_begin(scene, &r->medium, direction, rsv_packet_hit(p, (uint32_t)k));
+    rsv_specular_path path = rsv_specular_begin(scene, &r->medium, direction, rsv_packet_hit(p, k));
     rsv_gather gather = rsv_specular_gather(scene, path, &random, counts_nothing, NULL);
     if (gather.end == RSV_SPECULAR_ESCAPED)
         add(job, r, gather.path.direction, rgb_mul(gather.path.weight, entered), found);

@@ -63,9 +63,10 @@ static void see_surface(sensor *s, const rsv_specular_path *end)
         rsv_elements_interpolate(e, s->daylight->light->irradiance, face, end->u, end->v);
     rsv_rgb seen = rgb_mul(end->weight, bsdf->base_color);
     s->light[s->group] += (double)rgb_luminance(rgb_mul(seen, stored));
+    if (!s->noise) return;
     const rsv_stored_lookup found = { face, end->u, end->v, rgb_luminance(seen) * share / RSV_PI,
         rgb_luminance(stored) };
-    if (s->noise) rsv_shared_noise_add(&s->shared, s->noise, &found);
+    rsv_shared_noise_add(&s->shared, s->noise, &found);
 }
 
 static void trace(sensor *s, rsv_vec3 direction, rsv_random *random)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define COLUMNS RSV_DAYLIGHT_COLUMNS
+#define MOST_LUMINANCES ((size_t)1 << 28) ///< of patches at all hours: 1 GiB
 #define SUN_REACH 1.5 ///< heights of a patch within which the sun's reflected light is averaged
 
 /// Directions and solid angles of all patches.
@@ -155,14 +156,20 @@ static void multiply_one(
     memcpy(reading, sum, sizeof sum);
 }
 
+static bool is_dark(const rsv_patch_share *share)
+{
+    for (int c = 0; c < COLUMNS; c++)
+        if (share->column[c] != 0) return false;
+    return true;
+}
+
 /// Leaves out patches of which nothing reaches the sensor: a room with one window never sees half of the sky.
 static void find_seen(const rsv_daylight *d, size_t sensor, rsv_seen_patches *seen)
 {
-    static const rsv_patch_share nothing = { { 0 } };
     const rsv_patch_share *share = d->all + sensor * d->patches.count;
     seen->count = 0;
     for (uint32_t p = 0; p < d->patches.count; p++) {
-        if (memcmp(&share[p], &nothing, sizeof nothing) == 0) continue;
+        if (is_dark(&share[p])) continue;
         seen->patch[seen->count] = p;
         seen->share[seen->count++] = share[p];
     }

@@ -189,6 +189,46 @@ static void sun_passes_clear_panes(void **state)
     world_end(w);
 }
 
+/// Of a corner of a rectangle W wide and H high, straight above which a sensor that faces up lies D before its plane, by pi.
+static double corner_illuminance(double wide, double high, double before)
+{
+    double apart = hypot(before, high);
+    return 0.5 * (atan(wide / before) - before / apart * atan(wide / apart));
+}
+
+/// In a black room, an even sky gives sensors on the level of the sill what the closed form of a perpendicular rectangle says
+/// (CIE 171:2006 has such cases).
+static void windows_give_their_form_factor(void **state)
+{
+    (void)state;
+    enum { count = 3 };
+    world *w = world_begin(2);
+    uint32_t black = world_lambert(w, 0, 0);
+    world_quad(w, black, v3(-9, .8f, 0), v3(-9, 9, 0), v3(-1, 9, 0),
+        v3(-1, .8f, 0)); // around an opening of
+    world_quad(w, black, v3(2, .8f, 0), v3(2, 9, 0), v3(9, 9, 0), v3(9, .8f, 0)); // 3 by 1.5 m
+    world_quad(w, black, v3(-1, 2.3f, 0), v3(-1, 9, 0), v3(2, 9, 0), v3(2, 2.3f, 0));
+    world_quad(w, black, v3(-9, 9, -9), v3(9, 9, -9), v3(9, 9, 0), v3(-9, 9, 0));
+    world_quad(w, black, v3(-9, .8f, -9), v3(-9, 9, -9), v3(-9, 9, 0), v3(-9, .8f, 0));
+    world_quad(w, black, v3(9, .8f, 0), v3(9, 9, 0), v3(9, 9, -9), v3(9, .8f, -9));
+    world_quad(w, black, v3(9, .8f, -9), v3(9, 9, -9), v3(-9, 9, -9), v3(-9, .8f, -9));
+    world_commit(w);
+    rsv_weather_hour hour = record_at(6, 21, 12.5, 0, 100);
+    rsv_weather weather = weather_of(&hour, 1);
+    rsv_probe sensor[count] = { up_at(0, .8f, -1), up_at(0, .8f, -3), up_at(0, .8f, -6) };
+    rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_MEDIUM);
+    solved s = solve_with(w, &weather, sensor, count, &desc, 500);
+    for (int k = 0; k < count; k++) {
+        double before = -(double)sensor[k].position.z, sum = 0;
+        double expected = corner_illuminance(1, 1.5, before) + corner_illuminance(2, 1.5, before);
+        for (uint32_t p = 1; p < rsv_sky_patches_of(4).count; p++)
+            sum += rsv_daylight_coefficient(s.daylight, (size_t)k, p);
+        assert_close(sum, expected, 0.004 * expected);
+    }
+    release(&s);
+    world_end(w);
+}
+
 static void rooms_without_windows_are_dark(void **state)
 {
     (void)state;
@@ -253,25 +293,38 @@ static void surround_by_hour(
     free(pixel);
 }
 
-static void read_reference(double turn, bool pane, const rsv_weather *weather,
+/// What may close the opening.
+typedef enum closure { OPEN, CLEAR, DIFFUSING, FROSTED } closure;
+
+static uint32_t closure_material(world *w, closure kind)
+{
+    rsv_material pane = glass_material();
+    pane.thickness = 0;
+    if (kind == FROSTED) pane.roughness = 0.4f;
+    if (kind == DIFFUSING) {
+        pane = lambert_material(0.8f, 0);
+        pane.diffuse_transmission = 0.6f;
+        pane.diffuse_transmission_color = rgb_gray(0.9f);
+        pane.double_sided = true;
+    }
+    return kind == OPEN ? RSV_NONE : world_material(w, pane);
+}
+
+static void read_reference(double turn, closure pane, const rsv_weather *weather,
     const rsv_probe *sensor, size_t count, rsv_probe_reading *reading)
 {
     world *w = world_begin(2);
-    rsv_material glass = glass_material();
-    glass.thickness = 0;
     surround_by_hour(w->scene, weather, turn, pane, true);
-    build_room(w, turn, pane ? world_material(w, glass) : RSV_NONE);
+    build_room(w, turn, closure_material(w, pane));
     assert_int_equal(rsv_probe_reference(w->scene, sensor, count, 1 << 18, 3, reading), RSV_OK);
     world_end(w);
 }
 
-static void read_daylight(double turn, bool pane, const rsv_weather *weather,
+static void read_daylight(double turn, closure pane, const rsv_weather *weather,
     const rsv_probe *sensor, size_t count, float *lux, double *error)
 {
     world *w = world_begin(2);
-    rsv_material glass = glass_material();
-    glass.thickness = 0;
-    build_room(w, turn, pane ? world_material(w, glass) : RSV_NONE);
+    build_room(w, turn, closure_material(w, pane));
     rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_MEDIUM);
     desc.north = turn / DEGREES;
     solved s = solve_with(w, weather, sensor, count, &desc, 5000);
@@ -288,7 +341,7 @@ static void read_daylight(double turn, bool pane, const rsv_weather *weather,
 }
 
 /// Within 1 % or four standard errors.
-static void compare_with_reference(double turn, bool pane)
+static void compare_with_reference(double turn, closure pane)
 {
     enum { count = 4 };
     rsv_weather_hour hour = record_at(3, 21, 10.5, 650, 140);
@@ -316,19 +369,31 @@ static void compare_with_reference(double turn, bool pane)
 static void hours_are_those_of_the_path_tracer(void **state)
 {
     (void)state;
-    compare_with_reference(0, false);
+    compare_with_reference(0, OPEN);
 }
 
 static void scenes_may_be_turned(void **state)
 {
     (void)state;
-    compare_with_reference(130 * DEGREES, false);
+    compare_with_reference(130 * DEGREES, OPEN);
 }
 
 static void skies_behind_panes_are_those_of_the_path_tracer(void **state)
 {
     (void)state;
-    compare_with_reference(0, true);
+    compare_with_reference(0, CLEAR);
+}
+
+static void frosted_panes_spread_the_sky(void **state)
+{
+    (void)state;
+    compare_with_reference(0, FROSTED);
+}
+
+static void diffusing_panes_spread_the_sky(void **state)
+{
+    (void)state;
+    compare_with_reference(0, DIFFUSING);
 }
 
 // ---- figures ----------------------------------------------------------------------------------------
@@ -580,10 +645,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(open_ground_reads_what_the_sky_gives),
         cmocka_unit_test(sun_passes_clear_panes),
+        cmocka_unit_test(windows_give_their_form_factor),
         cmocka_unit_test(rooms_without_windows_are_dark),
         cmocka_unit_test(hours_are_those_of_the_path_tracer),
         cmocka_unit_test(scenes_may_be_turned),
         cmocka_unit_test(skies_behind_panes_are_those_of_the_path_tracer),
+        cmocka_unit_test(frosted_panes_spread_the_sky),
+        cmocka_unit_test(diffusing_panes_spread_the_sky),
         cmocka_unit_test(figures_count_hours),
         cmocka_unit_test(standard_errors_tell_the_spread),
         cmocka_unit_test(threads_change_nothing),

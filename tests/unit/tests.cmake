@@ -96,3 +96,4 @@ foreach(name IN ITEMS certify doubled probe_errors random_certificates random_sc
 endforeach()
 rsv_add_test(sky unit/test_sky.c)
 rsv_add_test(daylight unit/test_daylight.c)
+rsv_add_test(luminaire unit/test_luminaire.c)
