@@ -92,7 +92,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-<<<<<<< HEAD
 static rsv_status solve(cli_session *session, const settings *s, const cli_points *points,
     cli_subject *subject, rsv_certificate *certificate)
 {
@@ -104,44 +103,22 @@ static rsv_status solve(cli_session *session, const settings *s, const cli_point
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
-static rsv_status read_light(const settings *s, const cli_points *points,
-    const cli_subject *subject, rsv_probe_reading *readings, double *time_render)
-{
-    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
-    double started = cli_seconds();
-    rsv_status status = s->mode == RSV_PROBE_REFERENCE
-                            ? rsv_probe_reference(subject->scene, points->probe, points->count,
-                                  s->samples, s->solve.seed, readings)
-                            : rsv_probe_irradiance(
-                                  subject->solution, &desc, points->probe, points->count, readings);
-=======
 /// Reads receivers in the way that was asked for. @param subject solved, unless the mode is reference
 static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
     size_t count, rsv_probe_reading *readings)
 {
+    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
     if (s->mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(
             subject->scene, probe, count, s->samples, s->solve.seed, readings);
-    return rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode, probe, count,
-        s->samples, s->solve.seed, readings);
+    return rsv_probe_irradiance(subject->solution, &desc, probe, count, readings);
 }
 
-static rsv_status read_light(cli_session *session, const settings *s, const cli_points *points,
-    rsv_probe_reading *readings, cli_subject *subject, rsv_certificate *certificate,
-    double *time_render)
+static rsv_status read_light(const settings *s, const cli_points *points,
+    const cli_subject *subject, rsv_probe_reading *readings, double *time_render)
 {
-    rsv_status status = RSV_OK;
-    if (s->mode != RSV_PROBE_REFERENCE) {
-        rsv_solve_desc desc = cli_describe_solve(&s->solve);
-        if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
-        status = cli_solve_subject(session, &desc, NULL, subject, certificate);
-        if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-        if (status != RSV_OK) return status;
-    }
     double started = cli_seconds();
-    status = read_probes(s, subject, points->probe, points->count, readings);
->>>>>>> daylight
+    rsv_status status = read_probes(s, subject, points->probe, points->count, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
