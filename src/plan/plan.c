@@ -161,7 +161,8 @@ static rsv_pixel_error_desc about_elements(const rsv_planner *p)
 {
     double pixels = (double)p->picture.width * p->picture.height;
     double edge = sqrt(pixels / p->solve.element_target);
-    return (rsv_pixel_error_desc){ MOST_OF_A_PLACE, (uint32_t)fmin(edge / 2, MOST_AROUND), true };
+    return (rsv_pixel_error_desc){ MOST_OF_A_PLACE, (uint32_t)fmin(fmax(edge / 2, 1), MOST_AROUND),
+        true };
 }
 
 /// Compares the first two passes with two of one more gather through the solution: what they find but for noise, elements
