@@ -40,8 +40,8 @@ static const char help[] =
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
-    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-    "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
+        CLI_SOLVE_HELP "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
@@ -118,6 +118,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -286,19 +287,11 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     return status;
 }
 
-/// Solves where the mode wants it, and takes the picture.
-static rsv_status render(cli_session *session, const settings *s, const rsv_render_desc *desc,
-    cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
+/// The picture of a scene that is solved where the mode wants it.
+static rsv_status render(const settings *s, const rsv_render_desc *desc, const cli_subject *subject,
+    rsv_image **image, cli_stats *stats)
 {
-    rsv_status status = RSV_OK;
-    stats->standard_error = NAN;
-    if (s->planned) {
-        status = render_planned(session, s, desc, subject, image, stats);
-        if (status != RSV_OK || !subject->solution) return status;
-        return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-    }
-    if (is_solved(s)) status = solve(session, s, subject, certificate);
-    if (status != RSV_OK) return status;
+    rsv_status status;
     double started = cli_seconds();
     if (is_solved(s))
         status = rsv_render(subject->solution, desc, image);
@@ -314,7 +307,7 @@ static rsv_status render(cli_session *session, const settings *s, const rsv_rend
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    cli_stats stats = { 0 };
+    cli_stats stats = { .standard_error = NAN };
     rsv_render_desc desc;
     rsv_certificate certificate;
     rsv_image *image = NULL;
@@ -323,7 +316,14 @@ static int run(cli_session *session, const settings *s)
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
-    rsv_status status = render(session, s, &desc, &subject, &certificate, &image, &stats);
+    rsv_status status = RSV_OK;
+    if (s->planned)
+        status = render_planned(session, s, &desc, &subject, &image, &stats);
+    else if (is_solved(s))
+        status = solve(session, s, &subject, &certificate);
+    if (status == RSV_OK && s->planned && subject.solution)
+        status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
+    if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
     if (status == RSV_OK) status = write_pictures(s, image);
     if (status != RSV_OK)
         cli_report_failure(session, status);

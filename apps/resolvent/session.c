@@ -228,7 +228,9 @@ rsv_scene *cli_open_scene(
 {
     rsv_scene *scene = NULL;
     rsv_status status;
+    rsv_fog fog = rsv_default_fog();
     double started = cli_seconds();
+    if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
     if (session->mesh && !rsv_scene_is_builtin(name)) {
         cli_error(
             "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
@@ -249,6 +251,7 @@ rsv_scene *cli_open_scene(
         return NULL;
     }
     if (status == RSV_OK) status = add_environment(session, scene, environment);
+    if (status == RSV_OK) status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load = cli_seconds() - started;
     if (status == RSV_OK) return scene;

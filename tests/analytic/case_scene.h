@@ -1,4 +1,4 @@
-/// Scenes of validation/cases.json: from JSON to a description, from that to a committed rsv_scene.
+/// Scenes of tests/validation/cases.json: from JSON to a description, from that to a committed rsv_scene.
 #ifndef CASE_SCENE_H
 #define CASE_SCENE_H
 

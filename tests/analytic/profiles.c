@@ -1,5 +1,7 @@
-/// The formulas of src/subsurface against family h of validation/cases.json: functions, so to the digits of the
+/// The formulas of src/subsurface against family h of tests/validation/cases.json: functions, so to the digits of the
 /// file (formulas 1e-9, sums over the profile 1e-6).
+#include "case_file.h"
+
 #include "subsurface/dipole.h"
 #include "subsurface/normalized_diffusion.h"
 
@@ -8,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SKIPPED 77 ///< CTest's SKIP_RETURN_CODE
 #define FORMULA 1e-9
 #define INTEGRAL 1e-6
 #define PI 3.14159265358979323846
@@ -91,21 +92,6 @@ static double diffusion_value(const cJSON *item, const char *name)
 
 // ---- the file -----------------------------------------------------------------------------------
 
-static cJSON *read_cases(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
-    fseek(file, 0, SEEK_END);
-    long size = ftell(file);
-    rewind(file);
-    char *content = calloc((size_t)size + 1, 1);
-    size_t got = content ? fread(content, 1, (size_t)size, file) : 0;
-    fclose(file);
-    cJSON *json = got == (size_t)size ? cJSON_Parse(content) : NULL;
-    free(content);
-    return json;
-}
-
 static int check_case(const cJSON *item, int *checked)
 {
     const char *id = cJSON_GetStringValue(cJSON_GetObjectItem(item, "id"));
@@ -129,13 +115,7 @@ static int check_case(const cJSON *item, int *checked)
 
 int main(void)
 {
-    const char *path = getenv("RSV_VALIDATION");
-    if (!path) path = RSV_VALIDATION_DEFAULT;
-    cJSON *json = read_cases(path);
-    if (!json) {
-        printf("skipped: no reference cases at %s; set RSV_VALIDATION to a cases.json\n", path);
-        return SKIPPED;
-    }
+    cJSON *json = case_file_read();
     int failed = 0, checked = 0;
     const cJSON *item;
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(json, "cases"))

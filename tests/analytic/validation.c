@@ -1,4 +1,4 @@
-/// Runs the cases of validation/cases.json that this version can answer and compares.
+/// Runs the cases of tests/validation/cases.json that this version can answer and compares.
 ///
 ///     test_validation [--reference] [CASE_ID_PREFIX]...
 ///
@@ -7,14 +7,13 @@
 /// surfaces, the tessellation may add. Readings know the noise of their probes but not that of the solution under
 /// them, and chance may go against one: a reading that fails is taken again from several solutions of other random
 /// numbers, and then their mean has to pass, with the error that their spread gives it.
+#include "case_file.h"
 #include "case_probe.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define SKIPPED 77 ///< CTest's SKIP_RETURN_CODE
 
 #define RELATIVE_TOLERANCE 5e-3
 /// What cases.json recommends for light that a lens focuses.
@@ -180,46 +179,12 @@ static void run_case(rsv_context *context, rsv_probe_mode mode, const cJSON *ite
     fflush(stdout);
 }
 
-/// NULL if there is no such file.
-static char *read_text(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
-    size_t size = 0, capacity = 1 << 20, count;
-    char *content = malloc(capacity + 1);
-    while (content && (count = fread(content + size, 1, capacity - size, file)) > 0) {
-        size += count;
-        if (size == capacity) content = realloc(content, (capacity *= 2) + 1);
-    }
-    fclose(file);
-    if (content) content[size] = 0;
-    return content;
-}
-
-static cJSON *read_cases(void)
-{
-    const char *path = getenv("RSV_VALIDATION");
-    if (!path) path = RSV_VALIDATION_DEFAULT;
-    char *content = read_text(path);
-    if (!content) {
-        printf("skipped: no reference cases at %s; set RSV_VALIDATION to a cases.json\n", path);
-        exit(SKIPPED);
-    }
-    cJSON *json = cJSON_Parse(content);
-    free(content);
-    if (!json) {
-        printf("%s is not JSON\n", path);
-        exit(EXIT_FAILURE);
-    }
-    return json;
-}
-
 int main(int argc, char **argv)
 {
     bool reference = argc > 1 && strcmp(argv[1], "--reference") == 0;
     char *const *prefixes = argv + 1 + reference;
     int prefix_count = argc - 1 - reference;
-    cJSON *json = read_cases();
+    cJSON *json = case_file_read();
     rsv_context *context;
     if (rsv_context_create(NULL, &context) != RSV_OK) return EXIT_FAILURE;
     score tally = { 0 };

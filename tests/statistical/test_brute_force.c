@@ -31,7 +31,8 @@ static bool arrive(const world *w, const rsv_ray *ray, arrival *a)
     a->point = rsv_surface_point_seen(view, hit.triangle, hit.u, hit.v, false, 0);
     a->front = v3_dot(a->point.geometric, ray->direction) < 0;
     if (!a->front) a->point = rsv_surface_point_seen(view, hit.triangle, hit.u, hit.v, true, 0);
-    a->bsdf = rsv_surface_bsdf(view, w->bsdf, hit.triangle, hit.u, hit.v, 0, &a->storage);
+    a->bsdf = rsv_surface_bsdf(
+        view, w->bsdf, (rsv_footprint){ hit.triangle, hit.u, hit.v, 0 }, &a->storage);
     rsv_vec3 wo = v3_neg(ray->direction);
     a->normal = rsv_bsdf_specular_normal(a->point.normal, a->point.geometric, wo);
     return true;
@@ -58,9 +59,11 @@ static void follow(const world *w, rsv_ray ray, uint32_t orders, rsv_random *ran
         }
         if (a.front || a.bsdf->double_sided)
             found[order] += (double)rgb_luminance(rgb_mul(throughput, a.bsdf->emission));
-        float u = rsv_random_float(random), u1 = rsv_random_float(random);
-        rsv_bsdf_sample s = rsv_bsdf_sample_direction(
-            a.bsdf, v3_neg(ray.direction), a.normal, a.front, u, u1, rsv_random_float(random));
+        float u[3];
+        for (int k = 0; k < 3; k++)
+            u[k] = rsv_random_float(random);
+        rsv_bsdf_sample s =
+            rsv_bsdf_sample_direction(a.bsdf, v3_neg(ray.direction), a.normal, a.front, u);
         order += s.lobe == RSV_LOBE_DIFFUSE;
         if (s.lobe == RSV_LOBE_NONE || order == orders) return;
         throughput = rgb_mul(throughput, s.weight);
