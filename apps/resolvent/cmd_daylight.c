@@ -28,7 +28,7 @@ static const char help[] =
     "  --sky-only         leave the sun out; the ground outside is lit by it all the same\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
-    "lux\n" CLI_MESH_HELP CLI_SOLVE_HELP
+    "lux\n" CLI_MESH_HELP CLI_READING_HELP CLI_SOLVE_HELP
     "  --samples N        rays per sensor (default by quality: 15360, 61440, 245760)\n"
     "  --threads N        default: one per processor; the figures do not depend on it\n"
     "\n"
@@ -39,6 +39,7 @@ static const char help[] =
 
 typedef struct settings {
     const char *scene, *weather, *points, *output, *hourly, *mesh;
+    cli_reading reading;
     cli_solve_choice solve;
     float north, ground, height, spacing, from, to;
     uint32_t samples, threads;
@@ -63,6 +64,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_SOLVE_OPTIONS(&s->solve),
         { .name = NULL },
     };
@@ -258,6 +260,7 @@ int cli_daylight(int argc, char **argv)
         cli_check_apart(s.hourly, s.output) && cli_prepare_solve(&s.solve) &&
         cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.reading = s.reading;
         daylight_job job = { .session = &session, .s = &s };
         describe(&s, &job);
         exit_status = run(&job);

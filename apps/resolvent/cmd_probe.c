@@ -27,7 +27,7 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
     "lux,err_lux, and\n"
@@ -51,6 +51,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
+    cli_reading reading;
     cli_solve_choice solve;
     int mode;
     uint32_t samples; ///< 0 = by quality
@@ -75,6 +76,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -229,6 +231,7 @@ int cli_probe(int argc, char **argv)
         cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.reading = s.reading;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

@@ -181,7 +181,8 @@ bool rsv_fog_sample_emitter(
     if (!rsv_sample_emitter(&local, entry, 1, u1, u2, sample) || !(sample->pdf_solid_angle > 0))
         return false;
     if (lights->emitter[sample->emitter].varies)
-        sample->radiance = rsv_emitter_radiance(lights, sample->emitter, sample->u, sample->v);
+        sample->radiance =
+            rsv_emitter_radiance(lights, sample->emitter, sample->back, sample->u, sample->v);
     return isfinite(sample->pdf_solid_angle);
 }
 
