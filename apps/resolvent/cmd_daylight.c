@@ -35,7 +35,7 @@ static const char help[] =
     "sensors\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
-    "lux\n" CLI_MESH_HELP CLI_SOLVE_HELP
+    "lux\n" CLI_MESH_HELP CLI_READING_HELP CLI_SOLVE_HELP
     "  --samples N        rays per sensor (default by quality: 15360, 61440, 245760)\n"
     "  --threads N        default: one per processor; the figures do not depend on it\n"
     "\n"
@@ -46,6 +46,7 @@ static const char help[] =
 
 typedef struct settings {
     const char *scene, *shaded, *points, *mesh;
+    cli_reading reading;
     cli_list weather, outputs, hourly; ///< the latter as many as the first, or none
     cli_solve_choice solve;
     float north, ground, height, spacing, from, to, shade_lux, shade_share;
@@ -101,6 +102,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_SOLVE_OPTIONS(&s->solve),
         { .name = NULL },
     };
@@ -343,6 +345,7 @@ int cli_daylight(int argc, char **argv)
     exit_status = CLI_FAILURE;
     if (check_files(&s) && cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.reading = s.reading;
         daylight_job job = { .session = &session, .s = &s };
         describe(&s, &job);
         exit_status = run(&job);

@@ -27,7 +27,7 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
     "lux,err_lux, and\n"
@@ -51,6 +51,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
+    cli_reading reading;
     cli_solve_choice solve;
     int mode;
     uint32_t samples; ///< 0 = by quality
@@ -75,6 +76,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -92,17 +94,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-/// Reads receivers in the way that was asked for. @param subject solved, unless the mode is reference
-static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
-    size_t count, rsv_probe_reading *readings)
-{
-    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
-    if (s->mode == RSV_PROBE_REFERENCE)
-        return rsv_probe_reference(
-            subject->scene, probe, count, s->samples, s->solve.seed, readings);
-    return rsv_probe_irradiance(subject->solution, &desc, probe, count, readings);
-}
-
 static rsv_status solve(cli_session *session, const settings *s, const cli_points *points,
     cli_subject *subject, rsv_certificate *certificate)
 {
@@ -112,6 +103,17 @@ static rsv_status solve(cli_session *session, const settings *s, const cli_point
     rsv_status status = cli_solve_subject(session, &desc, NULL, subject, certificate);
     if (status != RSV_OK) return status;
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
+}
+
+/// Reads receivers in the way that was asked for. @param subject solved, unless the mode is reference
+static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
+    size_t count, rsv_probe_reading *readings)
+{
+    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
+    if (s->mode == RSV_PROBE_REFERENCE)
+        return rsv_probe_reference(
+            subject->scene, probe, count, s->samples, s->solve.seed, readings);
+    return rsv_probe_irradiance(subject->solution, &desc, probe, count, readings);
 }
 
 static rsv_status read_light(const settings *s, const cli_points *points,
@@ -229,6 +231,7 @@ int cli_probe(int argc, char **argv)
         cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.reading = s.reading;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

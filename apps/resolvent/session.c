@@ -111,6 +111,11 @@ void cli_warn(cli_session *session, const char *message)
     say(session, &session->warnings, "warning", message);
 }
 
+void cli_note(cli_session *session, const char *message)
+{
+    say(session, &session->notes, "note", message);
+}
+
 static void on_log(void *user, rsv_log_level level, const char *message)
 {
     cli_session *session = user;
@@ -140,6 +145,22 @@ static void release(void *user, void *memory)
 {
     (void)user;
     free(memory);
+}
+
+const char *const cli_light_unit_names[] = { [RSV_LIGHT_UNITS_AUTO] = "auto",
+    [RSV_LIGHT_UNITS_WATT] = "watt",
+    [RSV_LIGHT_UNITS_PHOTOMETRIC] = "photometric",
+    NULL };
+
+const char *const cli_emit_names[] = { "file", "both", NULL };
+
+const char *cli_reading_given(const cli_reading *reading)
+{
+    return reading->light_units ? "--light-units"
+           : reading->two_sided ? "--two-sided"
+           : reading->emit      ? "--emit"
+           : reading->variant   ? "--variant"
+                                : NULL;
 }
 
 bool cli_session_begin(cli_session *session, uint32_t threads)
@@ -223,6 +244,16 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
+/// Built-in scenes are as they are.
+static void warn_of_reading(cli_session *session)
+{
+    char line[64];
+    const char *given = cli_reading_given(&session->reading);
+    if (!given) return;
+    snprintf(line, sizeof line, "%s does nothing to built-in scenes", given);
+    cli_warn(session, line);
+}
+
 rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment)
 {
@@ -240,8 +271,13 @@ rsv_scene *cli_open_scene(
     if (access(name, F_OK) == 0 && !session->mesh) {
         rsv_load_desc load = rsv_default_load_desc();
         load.keep_document = session->keep_document;
+        load.light_units = (rsv_light_units)session->reading.light_units;
+        load.two_sided = session->reading.two_sided;
+        load.emit_both = session->reading.emit;
+        load.variant = session->reading.variant;
         status = rsv_scene_load_with(session->context, name, &load, &scene);
     } else if (rsv_scene_is_builtin(name)) {
+        warn_of_reading(session);
         status = cli_build_scene(session, name, &scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());

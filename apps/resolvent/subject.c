@@ -22,6 +22,11 @@ static bool refuse_scene_options(
             session->mesh, name);
         return false;
     }
+    const char *given = cli_reading_given(&session->reading);
+    if (given) {
+        cli_error("%s: '%s' is a solved operator with a scene of its own; solve anew", given, name);
+        return false;
+    }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (environment && environment->fog.medium) {

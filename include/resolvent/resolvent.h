@@ -5,6 +5,7 @@
 
 #include "resolvent/bake.h"
 #include "resolvent/certify.h"
+#include "resolvent/check.h"
 #include "resolvent/core.h"
 #include "resolvent/daylight.h"
 #include "resolvent/frame.h"

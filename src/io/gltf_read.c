@@ -8,6 +8,7 @@
 #include "gltf_part.h"
 #include "gltf_skin.h"
 #include "gltf_texture.h"
+#include "light_units.h"
 #include "matrix.h"
 #include "scene_read.h"
 
@@ -29,6 +30,8 @@ typedef struct reader {
         *primitive_id; ///< scene mesh of each primitive as its mesh has it; RSV_NONE = not read
     bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
     uint32_t material_count, default_material;
+    rsv_light_scale scale;
+    int variant; ///< that is shown; -1 = the default
 } reader;
 
 static bool refers(int reference, size_t count)
@@ -43,6 +46,9 @@ static rsv_status add_materials(reader *r)
     rsv_status status = rsv_gltf_add_materials(r->context, r->document, r->scene);
     r->material_count = (uint32_t)r->document->material_count;
     r->default_material = RSV_NONE;
+    for (size_t k = 0; k < r->scene->material_count; k++)
+        r->scene->material[k].emission =
+            rgb_scale(r->scene->material[k].emission, (float)r->scale.emission);
     return status;
 }
 
@@ -121,6 +127,14 @@ static void check_coordinates(
     }
 }
 
+/// The material of a primitive in the variant that is shown.
+static int material_of(const reader *r, const rsv_gltf_primitive *primitive)
+{
+    for (size_t k = 0; k < primitive->variant_count && r->variant >= 0; k++)
+        if (primitive->variant[k].variant == r->variant) return primitive->variant[k].material;
+    return primitive->material;
+}
+
 /// Adds a primitive to the scene, bent and morphed as one part shows it.
 static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
@@ -132,7 +146,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
     const rsv_gltf_primitive *primitive = &mesh->primitive[part->primitive];
     char label[LABEL_BYTES];
     name_primitive(mesh, part->primitive, label);
-    RSV_TRY(find_material(r, primitive->material, label, &material));
+    RSV_TRY(find_material(r, material_of(r, primitive), label, &material));
     RSV_TRY(rsv_gltf_read_geometry(
         r->context, r->document, primitive, rsv_gltf_weights_of(r->document, node), label, &g));
     if (part->skinned) {
@@ -140,7 +154,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
         RSV_TRY(find_joints(r, node->skin, &joints));
         RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
     }
-    check_coordinates(r, &g, primitive->material, label);
+    check_coordinates(r, &g, material_of(r, primitive), label);
     RSV_TRY(add_geometry(r, &g, label, material, id));
 cleanup:
     rsv_gltf_release_geometry(r->context, &g);
@@ -263,6 +277,13 @@ static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double 
     return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
+/// Numbers that are right already stay bit for bit.
+static rsv_rgb scaled(rsv_rgb value, double factor)
+{
+    return rgb((float)((double)value.r * factor), (float)((double)value.g * factor),
+        (float)((double)value.b * factor));
+}
+
 static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->light, r->document->light_count))
@@ -272,6 +293,8 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
+    light.intensity = scaled(
+        light.intensity, rsv_punctual_is_distant(&light) ? r->scale.distant : r->scale.local);
     if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
         return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
@@ -347,6 +370,7 @@ static void tell_notes(const reader *r)
 {
     for (size_t k = 0; k < r->document->note_count; k++)
         rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
+    if (r->scale.said) rsv_log(r->context, RSV_LOG_INFO, "%s", r->scale.said);
     name_groups(r);
 }
 
@@ -395,19 +419,48 @@ static rsv_status keep(const reader *r, const char *path)
     return RSV_OK;
 }
 
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
+/// Names of variants for a message, as many as it holds.
+static void list_variants(const rsv_gltf_document *document, char text[512])
+{
+    *text = '\0';
+    for (size_t k = 0; k < document->variant_count; k++) {
+        size_t used = strlen(text);
+        snprintf(text + used, 512 - used, "%s'%s'", k ? ", " : "", document->variant[k]);
+    }
+}
+
+static rsv_status choose_variant(reader *r, const char *wanted)
+{
+    char names[512];
+    size_t count = r->document->variant_count;
+    list_variants(r->document, names);
+    r->variant = -1;
+    if (!wanted && count)
+        rsv_log(r->context, RSV_LOG_INFO,
+            "its materials have variants: %s; --variant NAME shows one of them", names);
+    if (!wanted) return RSV_OK;
+    for (size_t k = 0; k < count && r->variant < 0; k++)
+        if (strcmp(r->document->variant[k], wanted) == 0) r->variant = (int)k;
+    if (r->variant >= 0) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT, "it has no variant '%.200s'%s%s", wanted,
+        count ? "; there are " : ", nor any other", names);
+}
+
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
     reader r = { .context = context, .scene = scene, .parts = { .context = context } };
     RSV_TRY(rsv_gltf_open(path, &r.document));
+    RSV_TRY(choose_variant(&r, desc->variant));
+    r.scale = rsv_gltf_light_scale(r.document, desc->light_units);
     RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
     RSV_TRY(allocate(&r));
     tell_notes(&r);
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
-    if (keep_document) RSV_TRY(keep(&r, path));
+    if (desc->keep_document && !desc->variant) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
     return status;

@@ -15,8 +15,8 @@ typedef enum rsv_file_kind {
     RSV_FILE_STL
 } rsv_file_kind;
 
-/// glTF 2.0. @param keep_document whether the scene is to keep the file
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene);
+/// glTF 2.0.
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);
 
 /// Stanford polygons, text and binary.
 rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);
