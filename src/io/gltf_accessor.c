@@ -87,7 +87,7 @@ static void read_element(
     }
 }
 
-/// For messages: "mesh", "skin" or "node", and its name.
+/// For messages: "mesh", "skin", "node" or "animation", and its name.
 typedef struct owner_label {
     const char *kind, *name;
 } owner_label;
@@ -199,6 +199,31 @@ rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document 
         return refuse(accessor, owner, "must hold MAT4 of float");
     *count = a->count;
     return decode(context, document, accessor, owner, (float **)matrices);
+}
+
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *animation, size_t width, float **values, size_t *count)
+{
+    static const char *const needed[] = { "", "must hold SCALAR", "", "must hold VEC3",
+        "must hold VEC4" };
+    const owner_label owner = { "animation", animation };
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    int type = a->span.component_type;
+    if ((size_t)a->component_count != width) return refuse(accessor, owner, needed[width]);
+    if (!rsv_gltf_component_bytes(type) || type == RSV_GLTF_UNSIGNED_INT)
+        return refuse(accessor, owner, "must hold floats or normalised 8- or 16-bit integers");
+    rsv_status status = decode(context, document, accessor, owner, values);
+    if (status != RSV_OK) return status;
+    *count = a->count;
+    for (size_t k = 0; k < *count * width; k++) {
+        if (isfinite((*values)[k])) continue;
+        rsv_free(context, *values);
+        *values = NULL;
+        return refuse(accessor, owner, "holds a number that is not finite");
+    }
+    return RSV_OK;
 }
 
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,

@@ -25,6 +25,11 @@ rsv_status rsv_gltf_read_instances(rsv_context *context, const rsv_gltf_document
 rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *skin, float (**matrices)[16], size_t *count);
 
+/// Times or values of an animation: `width` components each, float or normalised integers, all finite. The caller frees
+/// `*values`, [count * width].
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *animation, size_t width, float **values, size_t *count);
+
 /// Indices, each below `vertex_count`.
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *owner, size_t vertex_count, uint32_t **indices, size_t *count);

@@ -21,6 +21,7 @@ typedef struct reader {
     rsv_context *context;
     const rsv_gltf_document *document;
     rsv_scene *scene;
+    bool is_moment; ///< of a file that was read before, and told of
     rsv_gltf_parts parts;
     rsv_gltf_joints *joints; ///< [skin_count]; those without matrices have not been needed yet
     /// [mesh_count + 1] where the scene ids of a mesh's primitives begin in primitive_id
@@ -40,9 +41,11 @@ static bool refers(int reference, size_t count)
 
 static rsv_status add_materials(reader *r)
 {
-    rsv_status status = rsv_gltf_add_materials(r->context, r->document, r->scene);
+    rsv_status status =
+        r->is_moment ? RSV_OK : rsv_gltf_add_materials(r->context, r->document, r->scene);
     r->material_count = (uint32_t)r->document->material_count;
-    r->default_material = RSV_NONE;
+    bool has_default = r->scene->material_count > r->material_count; // from the scene at rest
+    r->default_material = has_default ? r->material_count : RSV_NONE;
     return status;
 }
 
@@ -79,7 +82,7 @@ static void name_primitive(const rsv_gltf_mesh *mesh, size_t primitive, char lab
 static rsv_status add_geometry(
     reader *r, const rsv_gltf_geometry *g, const char *owner, uint32_t material, uint32_t *id)
 {
-    if (g->index_count % 3)
+    if (g->index_count % 3 && !r->is_moment)
         rsv_log(r->context, RSV_LOG_WARNING,
             "mesh '%s': the last %zu indices make no whole triangle and are ignored", owner,
             g->index_count % 3);
@@ -108,7 +111,7 @@ static rsv_status find_joints(reader *r, int skin, const rsv_gltf_joints **joint
 static void check_coordinates(
     const reader *r, const rsv_gltf_geometry *g, int reference, const char *owner)
 {
-    if (reference < 0) return;
+    if (reference < 0 || r->is_moment) return;
     const rsv_gltf_material *material = &r->document->material[reference];
     for (size_t k = 0; k < material->texture_count; k++) {
         uint32_t set = material->texture[k].ref.uv_set;
@@ -164,7 +167,7 @@ static rsv_status find_mesh(reader *r, const rsv_gltf_part *part, uint32_t *id)
 static void name_skipped(reader *r, int index)
 {
     const rsv_gltf_mesh *mesh = &r->document->mesh[index];
-    if (r->mesh_named[index]) return;
+    if (r->mesh_named[index] || r->is_moment) return;
     r->mesh_named[index] = true;
     for (size_t k = 0; k < mesh->primitive_count; k++) {
         const rsv_gltf_primitive *primitive = &mesh->primitive[k];
@@ -345,6 +348,7 @@ static void name_groups(const reader *r)
 
 static void tell_notes(const reader *r)
 {
+    if (r->is_moment) return;
     for (size_t k = 0; k < r->document->note_count; k++)
         rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
     name_groups(r);
@@ -378,37 +382,60 @@ static void release(reader *r)
     rsv_free(r->context, r->primitive_id);
     rsv_free(r->context, r->mesh_named);
     rsv_gltf_parts_destroy(&r->parts);
-    rsv_gltf_close(r->document);
 }
 
 /// Gives the scene the file, where it is not too large.
-static rsv_status keep(const reader *r, const char *path)
+static rsv_status keep(const rsv_gltf_document *document, const char *path, rsv_scene *scene)
 {
     uint8_t *bytes;
     size_t count;
-    rsv_status status = rsv_gltf_archive_pack(r->context, r->document, &bytes, &count);
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_status status = rsv_gltf_archive_pack(context, document, &bytes, &count);
     if (status != RSV_ERROR_UNSUPPORTED)
-        return status == RSV_OK ? rsv_scene_set_document(r->scene, path, bytes, count) : status;
-    rsv_log(r->context, RSV_LOG_WARNING,
+        return status == RSV_OK ? rsv_scene_set_document(scene, path, bytes, count) : status;
+    rsv_log(context, RSV_LOG_WARNING,
         "with what lies beside it, it exceeds 4 GiB and is not kept: bakes will write a file of "
         "their own");
     return RSV_OK;
 }
 
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
+rsv_status rsv_gltf_fill(const rsv_gltf_document *document, bool is_moment, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
-    reader r = { .context = context, .scene = scene, .parts = { .context = context } };
-    RSV_TRY(rsv_gltf_open(path, &r.document));
-    RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
+    reader r = { .context = context,
+        .document = document,
+        .scene = scene,
+        .is_moment = is_moment,
+        .parts = { .context = context } };
+    RSV_TRY(rsv_gltf_parts_create(context, document, &r.parts));
     RSV_TRY(allocate(&r));
     tell_notes(&r);
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
-    if (keep_document) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
+    return status;
+}
+
+static void note_animations(rsv_context *context, size_t count)
+{
+    if (count)
+        rsv_log(context, RSV_LOG_INFO,
+            "%zu animation%s not played: the scene is shown as its nodes and weights stand", count,
+            count > 1 ? "s are" : " is");
+}
+
+rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
+{
+    rsv_status status;
+    const rsv_gltf_document *document = NULL;
+    RSV_TRY(rsv_gltf_open(path, &document));
+    note_animations(rsv_scene_get_context(scene), document->animation_count);
+    RSV_TRY(rsv_gltf_fill(document, false, scene));
+    if (keep_document) RSV_TRY(keep(document, path, scene));
+cleanup:
+    rsv_gltf_close(document);
     return status;
 }

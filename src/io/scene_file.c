@@ -49,8 +49,7 @@ static rsv_file_kind kind_of_content(FILE *file)
     return RSV_FILE_UNKNOWN;
 }
 
-/// Pipes and devices are refused: a reader could wait on one for ever.
-static rsv_status find_kind(const char *path, rsv_file_kind *kind)
+rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind)
 {
     struct stat info;
     FILE *file = NULL;
@@ -80,8 +79,7 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     return RSV_OK;
 }
 
-/// Puts the file's name in front of the error message.
-static rsv_status name_file(rsv_status status, const char *path)
+rsv_status rsv_name_file(rsv_status status, const char *path)
 {
     char message[768];
     snprintf(message, sizeof message, "%s", rsv_last_error());
@@ -97,7 +95,7 @@ rsv_status rsv_scene_load_with(
     const rsv_load_desc defaults = rsv_default_load_desc();
     if (!desc) desc = &defaults;
     RSV_TRY(check_desc(desc));
-    RSV_TRY(find_kind(path, &kind));
+    RSV_TRY(rsv_find_file_kind(path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
     if (kind == RSV_FILE_GLTF)
@@ -113,7 +111,7 @@ rsv_status rsv_scene_load_with(
     return RSV_OK;
 cleanup:
     rsv_scene_destroy(loaded);
-    return name_file(status, path);
+    return rsv_name_file(status, path);
 }
 
 rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene)
