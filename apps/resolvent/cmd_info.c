@@ -1,4 +1,5 @@
 #include "command.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -8,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char help[] =
     "usage: resolvent info SCENE [options]\n"
@@ -17,7 +19,7 @@ static const char help[] =
     "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
     "`resolvent solve` it also says what was solved.\n"
     "\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info cornell-blocks --json\n";
@@ -212,6 +214,18 @@ static void add_cameras(cJSON *root, const rsv_scene_view *view)
     }
 }
 
+static void add_clips(cJSON *root, const rsv_animation *animation)
+{
+    cJSON *clips = cJSON_AddArrayToObject(root, "animations");
+    for (size_t k = 0; animation && k < rsv_animation_clip_count(animation); k++) {
+        const rsv_clip *clip = rsv_animation_clip(animation, k);
+        cJSON *item = add_named_item(clips, clip->name);
+        cJSON_AddNumberToObject(item, "start", clip->start);
+        cJSON_AddNumberToObject(item, "end", clip->end);
+        cJSON_AddNumberToObject(item, "channels", (double)clip->channel_count);
+    }
+}
+
 static bool print_json(
     const cli_session *session, const char *name, const cli_subject *subject, const totals *t)
 {
@@ -228,6 +242,7 @@ static bool print_json(
     add_lights(root, view);
     add_environment(root, view);
     add_cameras(root, view);
+    add_clips(root, session->animation);
     add_operator(root, subject->solution);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     for (size_t i = 0; i < session->warnings.count; i++)
@@ -335,6 +350,17 @@ static void print_cameras(const rsv_scene_view *view)
     }
 }
 
+static void print_clips(const rsv_animation *animation)
+{
+    size_t count = animation ? rsv_animation_clip_count(animation) : 0;
+    if (count) printf("\nanimations: %zu\n", count);
+    for (size_t k = 0; k < count; k++) {
+        const rsv_clip *clip = rsv_animation_clip(animation, k);
+        print_name(clip->name);
+        printf("  %.4g s to %.4g s, %zu channels\n", clip->start, clip->end, clip->channel_count);
+    }
+}
+
 static void print_operator(const rsv_light *solution)
 {
     if (!solution) return;
@@ -348,7 +374,8 @@ static void print_operator(const rsv_light *solution)
         report->mean_irradiance, report->truncation_bound, rsv_solver_name(report->solver));
 }
 
-static void print_text(const char *name, const cli_subject *subject, const totals *t)
+static void print_text(
+    const cli_session *session, const char *name, const cli_subject *subject, const totals *t)
 {
     const rsv_scene_view *view = rsv_scene_get_view(subject->scene);
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
@@ -364,7 +391,21 @@ static void print_text(const char *name, const cli_subject *subject, const total
     print_lights(view);
     print_environment(view);
     print_cameras(view);
+    print_clips(session->animation);
     print_operator(subject->solution);
+}
+
+/// The animations of a glTF file; one that cannot be played is no reason to say nothing of the rest.
+static bool open_clips(cli_session *session, const char *name)
+{
+    bool may_have = cli_ends_in(name, ".glb") || cli_ends_in(name, ".gltf");
+    if (session->animation || !may_have || access(name, F_OK) != 0) return true;
+    rsv_status status = rsv_animation_open(session->context, name, NULL, &session->animation);
+    if (status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED)
+        cli_warn(session, rsv_last_error());
+    else if (status != RSV_OK)
+        cli_report_failure(session, status);
+    return status == RSV_OK || status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED;
 }
 
 int cli_info(int argc, char **argv)
@@ -372,9 +413,11 @@ int cli_info(int argc, char **argv)
     const char *name = NULL, *mesh = NULL;
     bool json = false;
     cli_environment environment = CLI_DEFAULT_ENVIRONMENT;
+    cli_moment moment = CLI_AT_REST;
     const cli_option options[] = {
         { .name = "--json", .kind = CLI_FLAG, .value = &json },
         CLI_MESH_OPTION(&mesh),
+        CLI_MOMENT_OPTIONS(&moment),
         CLI_ENVIRONMENT_OPTIONS(&environment),
         { .name = NULL },
     };
@@ -384,12 +427,13 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
+    session.moment = moment;
     cli_subject subject;
     totals t = { 0 };
     bool printed = cli_open_subject(&session, name, &environment, &subject) &&
-                   add_up(rsv_scene_get_view(subject.scene), &t);
+                   open_clips(&session, name) && add_up(rsv_scene_get_view(subject.scene), &t);
     if (printed && json) printed = print_json(&session, name, &subject, &t);
-    if (printed && !json) print_text(name, &subject, &t);
+    if (printed && !json) print_text(&session, name, &subject, &t);
     free_totals(&t);
     cli_close_subject(&subject);
     cli_session_end(&session);

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "points_csv.h"
@@ -25,7 +26,7 @@ static const char help[] =
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
-    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
+    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_MOMENT_HELP
         CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
@@ -45,6 +46,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
+    cli_moment moment;
     cli_solve_choice solve;
     int mode;
     uint32_t samples; ///< 0 = by quality
@@ -62,6 +64,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -155,7 +158,8 @@ int cli_probe(int argc, char **argv)
     static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
     settings s = { .mode = RSV_PROBE_OPERATOR,
         .solve = CLI_DEFAULT_SOLVE,
-        .environment = CLI_DEFAULT_ENVIRONMENT };
+        .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (s.samples == 0) s.samples = samples_by_quality[s.solve.quality];
@@ -167,6 +171,7 @@ int cli_probe(int argc, char **argv)
         cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.moment = s.moment;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

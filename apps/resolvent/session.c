@@ -3,6 +3,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "moment.h"
 #include "near_name.h"
 
 #include <signal.h>
@@ -111,13 +112,18 @@ void cli_warn(cli_session *session, const char *message)
     say(session, &session->warnings, "warning", message);
 }
 
+void cli_note(cli_session *session, const char *message)
+{
+    say(session, &session->notes, "note", message);
+}
+
 static void on_log(void *user, rsv_log_level level, const char *message)
 {
     cli_session *session = user;
     if (level == RSV_LOG_WARNING)
         cli_warn(session, message);
     else
-        say(session, &session->notes, "note", message);
+        cli_note(session, message);
 }
 
 static bool on_progress(void *user, const char *phase, double fraction)
@@ -144,7 +150,9 @@ static void release(void *user, void *memory)
 
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
-    *session = (cli_session){ .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT };
+    *session = (cli_session){
+        .moment = CLI_AT_REST, .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT
+    };
     cli_progress_begin(&session->progress);
     rsv_context_desc desc = rsv_default_context_desc();
     desc.thread_count = (int)threads;
@@ -167,6 +175,7 @@ void cli_session_end(cli_session *session)
 {
     cli_progress_clear(&session->progress);
     interruptible = NULL;
+    rsv_animation_destroy(session->animation);
     rsv_context_destroy(session->context);
     forget(&session->warnings);
     forget(&session->notes);
@@ -223,34 +232,51 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
-rsv_scene *cli_open_scene(
-    cli_session *session, const char *name, const cli_environment *environment)
+/// Options that the kind of scene has no use for.
+static bool check_kind(const cli_session *session, const char *name, bool is_file)
 {
-    rsv_scene *scene = NULL;
-    rsv_status status;
-    double started = cli_seconds();
-    if (session->mesh && !rsv_scene_is_builtin(name)) {
+    if (session->mesh && !rsv_scene_is_builtin(name))
         cli_error(
             "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
-        return NULL;
-    }
-    if (environment_is_mistyped(environment)) return NULL;
-    if (access(name, F_OK) == 0 && !session->mesh) {
+    else if (isfinite(session->moment.time) && !is_file && rsv_scene_is_builtin(name))
+        cli_error("--time: '%s' is a built-in scene, and none of those is animated", name);
+    else
+        return true;
+    return false;
+}
+
+static bool read_scene(cli_session *session, const char *name, bool is_file, rsv_scene **scene)
+{
+    rsv_status status;
+    if (is_file && isfinite(session->moment.time)) return cli_load_moment(session, name, scene);
+    if (is_file) {
         rsv_load_desc load = rsv_default_load_desc();
         load.keep_document = session->keep_document;
-        status = rsv_scene_load_with(session->context, name, &load, &scene);
+        status = rsv_scene_load_with(session->context, name, &load, scene);
     } else if (rsv_scene_is_builtin(name)) {
-        status = cli_build_scene(session, name, &scene);
+        status = cli_build_scene(session, name, scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());
         cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,
             near ? "did you mean '" : "`resolvent --help` lists those", near ? near : "",
             near ? "'?" : "");
-        return NULL;
+        return false;
     }
-    if (status == RSV_OK) status = add_environment(session, scene, environment);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+rsv_scene *cli_open_scene(
+    cli_session *session, const char *name, const cli_environment *environment)
+{
+    rsv_scene *scene = NULL;
+    double started = cli_seconds();
+    bool is_file = access(name, F_OK) == 0 && !session->mesh;
+    if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
+    if (!read_scene(session, name, is_file, &scene)) return NULL;
+    rsv_status status = add_environment(session, scene, environment);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
-    session->time_load = cli_seconds() - started;
+    session->time_load += cli_seconds() - started;
     if (status == RSV_OK) return scene;
     cli_report_failure(session, status);
     rsv_scene_destroy(scene);

@@ -5,9 +5,11 @@
 
 #include "progress.h"
 
+#include "resolvent/animation.h"
 #include "resolvent/io.h"
 #include "resolvent/opfile.h"
 
+#include <math.h>
 #include <stdatomic.h>
 
 /// What was said: each message once in a command, however often its cause comes up.
@@ -16,11 +18,21 @@ typedef struct cli_messages {
     size_t count;
 } cli_messages;
 
+/// A moment of an animated scene.
+typedef struct cli_moment {
+    float time;       ///< s; NAN = none: as nodes and weights stand
+    const char *clip; ///< NULL = the first
+} cli_moment;
+
+#define CLI_AT_REST ((cli_moment){ .time = NAN })
+
 typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
     cli_messages warnings, notes;
     const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
+    cli_moment moment;         ///< that scenes are opened at
+    rsv_animation *animation;  ///< that scenes came from; NULL = none
     bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
@@ -95,5 +107,8 @@ void cli_error(const char *format, ...) RSV_PRINTF(1, 2);
 
 /// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);
+
+/// Prints "note: ..." on standard error, unless it was said before.
+void cli_note(cli_session *session, const char *message);
 
 #endif

@@ -22,6 +22,10 @@ static bool refuse_scene_options(
             session->mesh, name);
         return false;
     }
+    if (isfinite(session->moment.time)) {
+        cli_error("--time: '%s' is a solved operator, of one moment; solve another one anew", name);
+        return false;
+    }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (surrounded)

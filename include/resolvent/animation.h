@@ -31,8 +31,8 @@ typedef struct rsv_clip {
 /// RSV_ERROR_UNSUPPORTED for formats other than glTF; RSV_ERROR_FORMAT, with the animation's name, for keys that are out of
 /// order, missing or not finite. Without any animation there are no clips.
 /// @param desc NULL = defaults; no document is kept (rsv_load_desc.keep_document): what it says is where things are at rest
-RSV_API rsv_status rsv_animation_open(rsv_context *context, const char *path,
-    const rsv_load_desc *desc, rsv_animation **animation);
+RSV_API rsv_status rsv_animation_open(
+    rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation);
 
 /// After all scenes that came from it. NULL is allowed.
 RSV_API void rsv_animation_destroy(rsv_animation *animation);

@@ -201,8 +201,8 @@ rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document 
     return decode(context, document, accessor, owner, (float **)matrices);
 }
 
-rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *animation, size_t width, float **values, size_t *count)
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
+    const char *animation, size_t width, float **values, size_t *count)
 {
     static const char *const needed[] = { "", "must hold SCALAR", "", "must hold VEC3",
         "must hold VEC4" };

@@ -27,8 +27,8 @@ rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document 
 
 /// Times or values of an animation: `width` components each, float or normalised integers, all finite. The caller frees
 /// `*values`, [count * width].
-rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *animation, size_t width, float **values, size_t *count);
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
+    const char *animation, size_t width, float **values, size_t *count);
 
 /// Indices, each below `vertex_count`.
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,

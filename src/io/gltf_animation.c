@@ -46,8 +46,8 @@ static rsv_status open_file(rsv_animation *a, const char *path)
     return rsv_gltf_open(path, &a->document);
 }
 
-rsv_status rsv_animation_open(rsv_context *context, const char *path, const rsv_load_desc *desc,
-    rsv_animation **animation)
+rsv_status rsv_animation_open(
+    rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_animation *a = rsv_alloc(context, 1, sizeof *a);
@@ -92,8 +92,8 @@ uint32_t rsv_animation_find_clip(const rsv_animation *a, const char *name)
 }
 
 /// A scene of the document. @param rest NULL = it is the one at rest
-static rsv_status build(rsv_animation *a, const rsv_gltf_document *document, const rsv_scene *rest,
-    rsv_scene **result)
+static rsv_status build(
+    rsv_animation *a, const rsv_gltf_document *document, const rsv_scene *rest, rsv_scene **result)
 {
     rsv_status status;
     rsv_scene *scene = NULL;
@@ -121,16 +121,15 @@ static rsv_status check_moment(const rsv_animation *a, uint32_t clip, double tim
     return RSV_OK;
 }
 
-rsv_status rsv_animation_scene(
-    rsv_animation *a, uint32_t clip, double time, rsv_scene **scene)
+rsv_status rsv_animation_scene(rsv_animation *a, uint32_t clip, double time, rsv_scene **scene)
 {
     rsv_status status;
     rsv_gltf_pose pose = { .context = a->context };
     bool all = clip == RSV_NONE;
     RSV_TRY(check_moment(a, clip, time));
     if (!a->rest) RSV_TRY(build(a, a->document, NULL, &a->rest));
-    RSV_TRY(rsv_gltf_pose_create(a->context, a->document, a->clip + (all ? 0 : clip),
-        all ? a->count : 1, time, &pose));
+    RSV_TRY(rsv_gltf_pose_create(
+        a->context, a->document, a->clip + (all ? 0 : clip), all ? a->count : 1, time, &pose));
     RSV_TRY(build(a, &pose.document, a->rest, scene));
 cleanup:
     rsv_gltf_pose_destroy(&pose);

@@ -38,8 +38,9 @@ static void leave_out(left_out *group, const char *node)
 static void tell(const reading *r, const left_out *group, const char *what)
 {
     if (group->count)
-        rsv_log(r->context, RSV_LOG_WARNING, "animation '%s': %zu channel%s (first: of node '%s') %s",
-            r->animation->name, group->count, group->count > 1 ? "s" : "", group->node, what);
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "animation '%s': %zu channel%s (first: of node '%s') %s", r->animation->name,
+            group->count, group->count > 1 ? "s" : "", group->node, what);
 }
 
 static size_t target_count(const rsv_gltf_document *document, const rsv_gltf_node *node)
@@ -74,14 +75,12 @@ static rsv_status check_times(const reading *r, const rsv_gltf_keys *keys, int a
             return rsv_fail(RSV_ERROR_FORMAT,
                 "animation '%s': accessor %d: key %zu is at %g s, after one at %g s; times must "
                 "rise: export it again",
-                r->animation->name, accessor, k, (double)keys->time[k],
-                (double)keys->time[k - 1]);
+                r->animation->name, accessor, k, (double)keys->time[k], (double)keys->time[k - 1]);
     return RSV_OK;
 }
 
 /// The keys of a sampler; read once, however many channels use it.
-static rsv_status read_keys(
-    reading *r, int sampler, size_t width, const rsv_gltf_keys **found)
+static rsv_status read_keys(reading *r, int sampler, size_t width, const rsv_gltf_keys **found)
 {
     rsv_status status;
     const rsv_gltf_sampler *from = &r->animation->sampler[sampler];
@@ -190,9 +189,8 @@ rsv_status rsv_gltf_clip_create(
     rsv_status status;
     const rsv_gltf_animation *a = &document->animation[index];
     reading r = { .context = context, .document = document, .animation = a, .clip = clip };
-    *clip = (rsv_gltf_clip){
-        .context = context, .name = a->name, .sampler_count = a->sampler_count
-    };
+    *clip =
+        (rsv_gltf_clip){ .context = context, .name = a->name, .sampler_count = a->sampler_count };
     r.moved = rsv_alloc(context, document->node_count, PATHS * sizeof *r.moved);
     clip->keys = rsv_alloc(context, a->sampler_count, sizeof *clip->keys);
     clip->track = rsv_alloc(context, a->channel_count, sizeof *clip->track);
@@ -273,7 +271,8 @@ static void slerp(const float from[4], const float to[4], double s, double resul
         result[k] = cos(s * angle) * a[k] + (sine > 0 ? sin(s * angle) * across[k] / sine : 0);
 }
 
-static void hermite(const rsv_gltf_track *track, size_t key, double seconds, double s, double *value)
+static void hermite(
+    const rsv_gltf_track *track, size_t key, double seconds, double s, double *value)
 {
     const float *from = key_at(track, key, 1), *leaving = key_at(track, key, 2);
     const float *arriving = key_at(track, key + 1, 0), *to = key_at(track, key + 1, 1);
@@ -281,8 +280,7 @@ static void hermite(const rsv_gltf_track *track, size_t key, double seconds, dou
     for (size_t k = 0; k < track->width; k++)
         value[k] = (2 * s3 - 3 * s2 + 1) * (double)from[k] +
                    seconds * (s3 - 2 * s2 + s) * (double)leaving[k] +
-                   (3 * s2 - 2 * s3) * (double)to[k] +
-                   seconds * (s3 - s2) * (double)arriving[k];
+                   (3 * s2 - 2 * s3) * (double)to[k] + seconds * (s3 - s2) * (double)arriving[k];
 }
 
 static void blend(const rsv_gltf_track *track, size_t key, double time, double *value)

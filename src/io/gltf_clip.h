@@ -15,8 +15,9 @@ typedef struct rsv_gltf_track {
     uint32_t node;
     rsv_gltf_path path;
     rsv_gltf_interpolation interpolation;
-    const float *time;  ///< [key_count] s, never falling
-    const float *value; ///< [key_count][width]; a cubic spline's [key_count][3][width]: tangent in, value, tangent out
+    const float *time; ///< [key_count] s, never falling
+    const float *
+        value; ///< [key_count][width]; a cubic spline's [key_count][3][width]: tangent in, value, tangent out
     size_t key_count, width;
 } rsv_gltf_track;
 

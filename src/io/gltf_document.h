@@ -115,7 +115,7 @@ typedef struct rsv_gltf_node {
     int mesh, camera, light, skin;
     const int *child;
     size_t child_count;
-    double local[16];    ///< column-major, to the parent
+    double local[16];                             ///< column-major, to the parent
     double translation[3], rotation[4], scale[3]; ///< that `local` is made of, without a matrix
     bool has_matrix;
     const float *weight; ///< [weight_count] in place of those of the mesh; NULL = those

@@ -23,8 +23,7 @@ rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind);
 rsv_status rsv_name_file(rsv_status status, const char *path);
 
 /// Fills a scene with what a document shows. @param is_moment the scene has its materials, and messages were given before
-rsv_status rsv_gltf_fill(
-    const rsv_gltf_document *document, bool is_moment, rsv_scene *scene);
+rsv_status rsv_gltf_fill(const rsv_gltf_document *document, bool is_moment, rsv_scene *scene);
 
 /// glTF 2.0. @param keep_document whether the scene is to keep the file
 rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene);

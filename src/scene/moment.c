@@ -34,8 +34,8 @@ cleanup:
 
 static rsv_status share_textures(rsv_scene *scene, const rsv_scene *rest)
 {
-    rsv_status status = rsv_grow(scene->context, (void **)&scene->texture,
-        &scene->texture_capacity, rest->texture_count, sizeof *scene->texture);
+    rsv_status status = rsv_grow(scene->context, (void **)&scene->texture, &scene->texture_capacity,
+        rest->texture_count, sizeof *scene->texture);
     if (status != RSV_OK) return status;
     if (rest->texture_count)
         memcpy(scene->texture, rest->texture, rest->texture_count * sizeof *scene->texture);
@@ -59,7 +59,6 @@ rsv_status rsv_scene_end_moment(rsv_scene *scene)
     const rsv_scene *rest = scene->rest;
     if (scene->camera_count || !rest->is_framed) return RSV_OK;
     rsv_vec3 p = rest->camera[0].position;
-    const double place[3] = { p.x + rest->origin[0], p.y + rest->origin[1],
-        p.z + rest->origin[2] };
+    const double place[3] = { p.x + rest->origin[0], p.y + rest->origin[1], p.z + rest->origin[2] };
     return rsv_scene_place_camera(scene, &rest->camera[0], place, NULL);
 }

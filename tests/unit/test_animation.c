@@ -8,7 +8,8 @@
 #define SQUARE "\"attributes\":{\"POSITION\":0},\"indices\":1"
 #define SQUARES "\"meshes\":[{\"primitives\":[{" SQUARE "}]}],"
 
-static rsv_animation *open_sketch(fixture *f, const folder *place, const sketch *s, const char *rest)
+static rsv_animation *open_sketch(
+    fixture *f, const folder *place, const sketch *s, const char *rest)
 {
     rsv_animation *animation = NULL;
     if (rsv_animation_open(f->context, write_sketch(place, s, rest), NULL, &animation) != RSV_OK)
@@ -38,8 +39,7 @@ static void assert_near(rsv_vec3 found, rsv_vec3 wanted, double time)
 {
     if (v3_max_abs(v3_sub(found, wanted)) > 2e-6f * fmaxf(1, v3_max_abs(wanted)))
         fail_msg("at %g s (%.8g %.8g %.8g), not (%.8g %.8g %.8g)", time, (double)found.x,
-            (double)found.y, (double)found.z, (double)wanted.x, (double)wanted.y,
-            (double)wanted.z);
+            (double)found.y, (double)found.z, (double)wanted.x, (double)wanted.y, (double)wanted.z);
 }
 
 /// One channel of node 0, accessor 2 over accessor 3.
@@ -228,7 +228,8 @@ static void lights_and_cameras_move(void **state)
         "\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":"
         "\"translation\"}},{\"sampler\":1,\"target\":{\"node\":2,\"path\":\"rotation\"}}],"
         "\"samplers\":[{\"input\":2,\"output\":3},{\"input\":2,\"output\":4}]}]," LAMP LENS SQUARES
-        "\"nodes\":[{\"mesh\":0,\"children\":[]},{\"children\":[2,3]},{\"extensions\":{\"KHR_lights_"
+        "\"nodes\":[{\"mesh\":0,\"children\":[]},{\"children\":[2,3]},{\"extensions\":{\"KHR_"
+        "lights_"
         "punctual\":{\"light\":0}}},{\"camera\":0,\"translation\":[0,0,1]}]");
     rsv_scene *scene = scene_at(a, 0, 0.5);
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -310,7 +311,8 @@ typedef struct bad_case {
 } bad_case;
 
 #define CLIP(channel, sampler)                                                                     \
-    "\"animations\":[{\"name\":\"go\",\"channels\":[{" channel "}],\"samplers\":[{" sampler "}]}],"
+    "\"animations\":[{\"name\":\"go\",\"channels\":[{" channel "}],\"samplers\":[{" sampler "}]}]" \
+                                                                                            ","
 #define CHANNEL "\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}"
 
 static void broken_animations_are_refused(void **state)
@@ -371,7 +373,8 @@ static void what_is_not_played_is_named(void **state)
         { CHANNEL "},{" CHANNEL, "", "move what another one moves already" },
         { "\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}", "",
             "have weights of no morph targets" },
-        { "\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_pointer\":"
+        { "\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_"
+          "pointer\":"
           "{\"pointer\":\"/nodes/0/scale\"}}}",
             "", "(KHR_animation_pointer?), and is not played" },
     };
@@ -384,8 +387,8 @@ static void what_is_not_played_is_named(void **state)
         add_vectors(&s, time, 2, 1);
         add_vectors(&s, go, 2, 3);
         snprintf(rest, sizeof rest,
-            "\"animations\":[{\"channels\":[{%s}],\"samplers\":[{\"input\":2,\"output\":3}]}]," SQUARES
-            "\"nodes\":[{%s\"name\":\"n\",\"mesh\":0}]",
+            "\"animations\":[{\"channels\":[{%s}],\"samplers\":[{\"input\":2,\"output\":3}]}]"
+            "," SQUARES "\"nodes\":[{%s\"name\":\"n\",\"mesh\":0}]",
             cases[k].channel, cases[k].node);
         f->log[0] = '\0';
         rsv_animation *a = open_sketch(f, &place, &s, rest);
