@@ -86,7 +86,7 @@ endforeach()
 set_tests_properties(bake bsdf_lobes contacts environment faults frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
     rough_sky subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
-        plan random_scenes shadows)
+        plan random_scenes shadows update)
     rsv_add_part(${name} slow)
 endforeach()
 foreach(name IN ITEMS certify doubled probe_errors random_certificates random_scenes rough_box solve)
