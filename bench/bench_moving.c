@@ -92,8 +92,8 @@ static void place_probes(const rsv_scene_view *view, rsv_probe *probe)
 static rsv_status read_light(const rsv_light *light, const rsv_probe *probe, double *luminance)
 {
     rsv_probe_reading reading[POINTS];
-    rsv_status status =
-        rsv_probe_irradiance(light, RSV_PROBE_LOOKUP, probe, POINTS, 32, 0, reading);
+    const rsv_probe_desc desc = { .mode = RSV_PROBE_LOOKUP, .samples = 32 };
+    rsv_status status = rsv_probe_irradiance(light, &desc, probe, POINTS, reading);
     for (size_t k = 0; k < POINTS && status == RSV_OK; k++) {
         rsv_rgb e = reading[k].irradiance;
         luminance[k] = 0.2126 * (double)e.r + 0.7152 * (double)e.g + 0.0722 * (double)e.b;

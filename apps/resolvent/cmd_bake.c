@@ -14,13 +14,14 @@
 #include <string.h>
 
 static const char help[] =
-    "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to vertex|lightmap|probes [options]\n"
+    "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to TARGET [options]\n"
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
     "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
     "Scenes that are no glTF file become one. A file of `solve` or `relight` is taken as it is\n"
     "solved, with the lights and colours that it was given. docs/bake.md says what is written.\n"
     "\n"
+    "  --to TARGET        one of {--to}\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
     "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and\n"
@@ -46,7 +47,8 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
+    "\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -134,6 +136,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };

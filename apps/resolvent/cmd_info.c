@@ -1,4 +1,5 @@
 #include "command.h"
+#include "luminaire_info.h"
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
@@ -17,9 +18,12 @@ static const char help[] =
     "Says what SCENE (a file or a built-in scene) holds once "
     "its instances are placed:\n"
     "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
-    "`resolvent solve` it also says what was solved.\n"
+    "`resolvent solve` it also says what was solved. Of a luminaire (.ies, .ldt): its angles, "
+    "flux, peak\n"
+    "and power.\n"
     "\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP
+        CLI_FOG_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info cornell-blocks --json\n";
@@ -184,6 +188,23 @@ static void add_environment(cJSON *root, const rsv_scene_view *view)
     add_number(item, "rotation_degrees", view->environment->rotation);
 }
 
+static void add_fog(cJSON *root, const rsv_scene_view *view)
+{
+    const rsv_fog *fog = view->fog;
+    if (!fog) return;
+    cJSON *item = cJSON_AddObjectToObject(root, "fog");
+    add_rgb(item, "extinction", fog->extinction);
+    add_rgb(item, "albedo", fog->albedo);
+    add_number(item, "anisotropy", fog->anisotropy);
+    if (fog->scale_height < INFINITY) {
+        add_number(item, "scale_height", fog->scale_height);
+        cJSON_AddNumberToObject(item, "base_height", fog->base_height + view->origin[1]);
+        return;
+    }
+    add_point(item, "bounds_min", fog->bounds_min, view->origin);
+    add_point(item, "bounds_max", fog->bounds_max, view->origin);
+}
+
 static void add_operator(cJSON *root, const rsv_light *solution)
 {
     if (!solution) return;
@@ -241,6 +262,7 @@ static bool print_json(
     add_materials(root, view, t);
     add_lights(root, view);
     add_environment(root, view);
+    add_fog(root, view);
     add_cameras(root, view);
     add_clips(root, session->animation);
     add_operator(root, subject->solution);
@@ -332,6 +354,26 @@ static void print_environment(const rsv_scene_view *view)
         view->environment->height, view->environment->rotation);
 }
 
+static void print_fog(const rsv_scene_view *view)
+{
+    const rsv_fog *fog = view->fog;
+    if (!fog) return;
+    printf("\nfog:\n ");
+    print_rgb("1/m", fog->extinction);
+    print_rgb("albedo", fog->albedo);
+    printf("  g %.4g\n", fog->anisotropy);
+    if (fog->scale_height < INFINITY) {
+        printf("  above y = %.4g thinner by 1/e every %.4g m\n", fog->base_height + view->origin[1],
+            fog->scale_height);
+        return;
+    }
+    fputs("  from (", stdout);
+    print_point(fog->bounds_min, view->origin, 4);
+    fputs(") to (", stdout);
+    print_point(fog->bounds_max, view->origin, 4);
+    puts(")");
+}
+
 static void print_cameras(const rsv_scene_view *view)
 {
     printf("\ncameras: %zu\n", view->camera_count);
@@ -390,6 +432,7 @@ static void print_text(
     print_materials(view, t);
     print_lights(view);
     print_environment(view);
+    print_fog(view);
     print_cameras(view);
     print_clips(session->animation);
     print_operator(subject->solution);
@@ -408,6 +451,21 @@ static bool open_clips(cli_session *session, const char *name)
     return status == RSV_OK || status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED;
 }
 
+/// A scene or an operator file.
+static bool print_subject(
+    cli_session *session, const char *name, const cli_environment *environment, bool json)
+{
+    cli_subject subject;
+    totals t = { 0 };
+    bool printed = cli_open_subject(session, name, environment, &subject) &&
+                   open_clips(session, name) && add_up(rsv_scene_get_view(subject.scene), &t);
+    if (printed && json) printed = print_json(session, name, &subject, &t);
+    if (printed && !json) print_text(session, name, &subject, &t);
+    free_totals(&t);
+    cli_close_subject(&subject);
+    return printed;
+}
+
 int cli_info(int argc, char **argv)
 {
     const char *name = NULL, *mesh = NULL;
@@ -419,6 +477,7 @@ int cli_info(int argc, char **argv)
         CLI_MESH_OPTION(&mesh),
         CLI_MOMENT_OPTIONS(&moment),
         CLI_ENVIRONMENT_OPTIONS(&environment),
+        CLI_FOG_OPTIONS(&environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
@@ -428,14 +487,8 @@ int cli_info(int argc, char **argv)
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
     session.moment = moment;
-    cli_subject subject;
-    totals t = { 0 };
-    bool printed = cli_open_subject(&session, name, &environment, &subject) &&
-                   open_clips(&session, name) && add_up(rsv_scene_get_view(subject.scene), &t);
-    if (printed && json) printed = print_json(&session, name, &subject, &t);
-    if (printed && !json) print_text(&session, name, &subject, &t);
-    free_totals(&t);
-    cli_close_subject(&subject);
+    bool printed = cli_is_luminaire(name) ? cli_print_luminaire(&session, name, json)
+                                          : print_subject(&session, name, &environment, json);
     cli_session_end(&session);
     return printed ? CLI_SUCCESS : CLI_FAILURE;
 }

@@ -2,6 +2,7 @@
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
+#include "photometry.h"
 #include "points_csv.h"
 #include "stats.h"
 #include "subject.h"
@@ -27,8 +28,13 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_MOMENT_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
+    "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
+    "lux,err_lux, and\n"
+    "                     mean, minimum and uniformity (EN 12464-1) are printed\n"
+    "  --cylindrical      cylindrical illuminance too: the mean of 12 vertical receivers at each "
+    "point\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --threads N        default: one per processor; the readings do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -51,7 +57,7 @@ typedef struct settings {
     int mode;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads;
-    bool goal;
+    bool goal, photometric, cylindrical;
 } settings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -61,12 +67,18 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
+        { .name = "--photometric", .kind = CLI_FLAG, .value = &s->photometric },
+        { .name = "--cylindrical",
+            .kind = CLI_FLAG,
+            .value = &s->cylindrical,
+            .goes_with = "--photometric" },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -83,25 +95,33 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-static rsv_status read_light(cli_session *session, const settings *s, const cli_points *points,
-    rsv_probe_reading *readings, cli_subject *subject, rsv_certificate *certificate,
-    double *time_render)
+static rsv_status solve(cli_session *session, const settings *s, const cli_points *points,
+    cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_status status = RSV_OK;
-    bool is_reference = s->mode == RSV_PROBE_REFERENCE;
-    if (!is_reference) {
-        rsv_solve_desc desc = cli_describe_solve(&s->solve);
-        if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
-        status = cli_solve_subject(session, &desc, NULL, subject, certificate);
-        if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-        if (status != RSV_OK) return status;
-    }
+    if (s->mode == RSV_PROBE_REFERENCE) return RSV_OK;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
+    rsv_status status = cli_solve_subject(session, &desc, NULL, subject, certificate);
+    if (status != RSV_OK) return status;
+    return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
+}
+
+/// Reads receivers in the way that was asked for. @param subject solved, unless the mode is reference
+static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
+    size_t count, rsv_probe_reading *readings)
+{
+    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
+    if (s->mode == RSV_PROBE_REFERENCE)
+        return rsv_probe_reference(
+            subject->scene, probe, count, s->samples, s->solve.seed, readings);
+    return rsv_probe_irradiance(subject->solution, &desc, probe, count, readings);
+}
+
+static rsv_status read_light(const settings *s, const cli_points *points,
+    const cli_subject *subject, rsv_probe_reading *readings, double *time_render)
+{
     double started = cli_seconds();
-    status = is_reference ? rsv_probe_reference(subject->scene, points->probe, points->count,
-                                s->samples, s->solve.seed, readings)
-                          : rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode,
-                                points->probe, points->count, s->samples, s->solve.seed, readings);
+    rsv_status status = read_probes(s, subject, points->probe, points->count, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
@@ -124,6 +144,48 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, &stats);
 }
 
+/// Cylindrical illuminances: [points->count], to be freed; NULL = none, `status` says why.
+static cli_lux *read_cylinders(
+    const settings *s, const cli_subject *subject, const cli_points *points, rsv_status *status)
+{
+    size_t count = points->count * CLI_CYLINDER_SIDES;
+    rsv_probe *side = calloc(count, sizeof *side);
+    rsv_probe_reading *reading = calloc(count, sizeof *reading);
+    cli_lux *mean = calloc(points->count, sizeof *mean);
+    bool ready = side && reading && mean;
+    *status = ready ? RSV_OK : RSV_ERROR_MEMORY;
+    if (ready) {
+        cli_cylinder_points(points, side);
+        *status = read_probes(s, subject, side, count, reading);
+    }
+    for (size_t k = 0; *status == RSV_OK && k < points->count; k++)
+        mean[k] = cli_cylindrical(reading + k * CLI_CYLINDER_SIDES);
+    free(side);
+    free(reading);
+    if (*status == RSV_OK) return mean;
+    free(mean);
+    return NULL;
+}
+
+static bool write_photometric(cli_session *session, const settings *s, const cli_subject *subject,
+    const cli_points *points, const rsv_probe_reading *readings)
+{
+    rsv_status status = RSV_OK;
+    cli_lux *cylindrical = s->cylindrical ? read_cylinders(s, subject, points, &status) : NULL;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    bool written = status == RSV_OK && cli_write_lux(s->output, points, readings, cylindrical);
+    if (written) cli_print_lux(points, readings, cylindrical);
+    free(cylindrical);
+    return written;
+}
+
+static bool write_readings(cli_session *session, const settings *s, const cli_subject *subject,
+    const cli_points *points, const rsv_probe_reading *readings)
+{
+    return s->photometric ? write_photometric(session, s, subject, points, readings)
+                          : cli_write_readings(s->output, points, readings);
+}
+
 static int run(cli_session *session, const settings *s, const cli_points *points)
 {
     int exit_status = CLI_FAILURE;
@@ -137,11 +199,11 @@ static int run(cli_session *session, const settings *s, const cli_points *points
         goto cleanup;
     }
     cli_place_points(points, subject.scene);
-    rsv_status status =
-        read_light(session, s, points, readings, &subject, &certificate, &time_render);
+    rsv_status status = solve(session, s, points, &subject, &certificate);
+    if (status == RSV_OK) status = read_light(s, points, &subject, readings, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
-    else if (cli_write_readings(s->output, points, readings) &&
+    else if (write_readings(session, s, &subject, points, readings) &&
              (!s->stats ||
                  write_stats(session, s, s->mode == RSV_PROBE_REFERENCE ? NULL : subject.solution,
                      &certificate, time_render)))

@@ -46,7 +46,7 @@ static const char help[] =
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
     "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_SEQUENCE_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
@@ -147,6 +147,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SEQUENCE_OPTIONS(&s->sequence),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -340,13 +341,12 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     return status;
 }
 
-/// The picture itself, once there is a solution where the mode wants one.
-static rsv_status take_picture(const settings *s, const rsv_render_desc *desc,
-    const cli_subject *subject, rsv_image **image, cli_stats *stats)
+/// The picture of a scene that is solved where the mode wants it.
+static rsv_status render(const settings *s, const rsv_render_desc *desc, const cli_subject *subject,
+    rsv_image **image, cli_stats *stats)
 {
     rsv_status status;
     double started = cli_seconds();
-    stats->standard_error = NAN;
     if (is_solved(s))
         status = rsv_render(subject->solution, desc, image);
     else if (desc->mode == RSV_RENDER_REFERENCE)
@@ -354,22 +354,8 @@ static rsv_status take_picture(const settings *s, const rsv_render_desc *desc,
     else
         status = rsv_render_occlusion(subject->scene, desc, image);
     stats->time_render = cli_seconds() - started;
-    return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
-}
-
-/// Solves where the mode wants it, and takes the picture.
-static rsv_status render(cli_session *session, const settings *s, const rsv_render_desc *desc,
-    cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
-{
-    rsv_status status = RSV_OK;
-    stats->standard_error = NAN;
-    if (s->planned) {
-        status = render_planned(session, s, desc, subject, image, stats);
-        if (status != RSV_OK || !subject->solution) return status;
-        return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-    }
-    if (is_solved(s)) status = solve(session, s, subject, certificate);
-    return status == RSV_OK ? take_picture(s, desc, subject, image, stats) : status;
+    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+    return status;
 }
 
 // ---- sequences ------------------------------------------------------------------------------------
@@ -416,13 +402,13 @@ static bool run_frame(reel *r, uint32_t frame)
     cli_subject subject = { 0 };
     rsv_image *image = NULL;
     rsv_render_desc desc;
-    cli_stats stats = { 0 };
+    cli_stats stats = { .standard_error = NAN };
     const settings *s = r->s;
     r->session->moment.time = cli_frame_time(&s->sequence, frame);
     subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
     bool good = subject.scene && describe_picture(s, subject.scene, &desc);
     rsv_status status = good && is_solved(s) ? update(r, &subject) : RSV_OK;
-    if (good && status == RSV_OK) status = take_picture(s, &desc, &subject, &image, &stats);
+    if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
     if (good && status == RSV_OK) status = write_pictures(s, frame, image);
     if (status != RSV_OK) cli_report_failure(r->session, status);
     r->stats.time_render += stats.time_render;
@@ -473,7 +459,7 @@ static int run_sequence(cli_session *session, const settings *s)
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    cli_stats stats = { 0 };
+    cli_stats stats = { .standard_error = NAN };
     rsv_render_desc desc;
     rsv_certificate certificate;
     rsv_image *image = NULL;
@@ -482,7 +468,14 @@ static int run(cli_session *session, const settings *s)
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
-    rsv_status status = render(session, s, &desc, &subject, &certificate, &image, &stats);
+    rsv_status status = RSV_OK;
+    if (s->planned)
+        status = render_planned(session, s, &desc, &subject, &image, &stats);
+    else if (is_solved(s))
+        status = solve(session, s, &subject, &certificate);
+    if (status == RSV_OK && s->planned && subject.solution)
+        status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
+    if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
     if (status == RSV_OK) status = write_pictures(s, 0, image);
     if (status != RSV_OK)
         cli_report_failure(session, status);

@@ -21,7 +21,7 @@ static const char help[] =
     "take in place of a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP
-        CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
+        CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
     "  --goal             spend elements on what the camera sees and on what lights that\n"
     "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
     "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
@@ -67,6 +67,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },

@@ -38,7 +38,7 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
@@ -82,20 +82,6 @@ enum { CLI_VIEW_MOST_TIMES = 100000 };
 
 // ---- options ----------------------------------------------------------------------------------------
 
-static void print_help(void)
-{
-    fputs(help_head, stdout);
-    fputs(cli_view_command_help, stdout);
-    fputs(help_tail, stdout);
-}
-
-static bool wants_help(int argc, char **argv)
-{
-    for (int k = 0; k < argc; k++)
-        if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return true;
-    return false;
-}
-
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -117,10 +103,16 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = NULL },
     };
     const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
-    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
+    if (cli_parse(&usage, argc, argv, &s->scene, exit_status)) return true;
+    if (*exit_status == CLI_SUCCESS) { // --help
+        fputs(cli_view_command_help, stdout);
+        fputs(help_tail, stdout);
+    }
+    return false;
 }
 
 // ---- opening ------------------------------------------------------------------------------------------
@@ -438,10 +430,6 @@ int cli_view(int argc, char **argv)
         .budget_ms = 8 };
     cli_session session;
     int exit_status;
-    if (wants_help(argc, argv)) {
-        print_help();
-        return CLI_SUCCESS;
-    }
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!cli_prepare_solve(&s.solve) || !cli_device_open(s.device) ||
         !cli_session_begin(&session, s.threads))

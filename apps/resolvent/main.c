@@ -24,9 +24,12 @@ static const command commands[] = {
     { "bake", cli_bake, "solved light in a glTF file, for engines and web pages" },
     { "view", cli_view, "a window onto the light of a scene, or frames of one by a script" },
     { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
+    { "daylight", cli_daylight, "daylight at sensors over a year of weather, for reports" },
     { "certify", cli_certify, "how wrong the solved light of a scene is: a bound and an estimate" },
     { "compare", cli_compare, "how one picture differs from another" },
     { "layers", cli_layers, "the layers of a picture side by side" },
+    { "falsecolor", cli_falsecolor,
+        "the luminance of a picture in colours, with a scale in cd/m2" },
     { "sheet", cli_sheet, "pictures side by side" },
     { "scene", cli_scene, "write a built-in scene as a .glb file" },
     { "info", cli_info, "what a scene holds: counts, bounds, materials, lights, cameras" },
@@ -41,7 +44,7 @@ static void print_help(void)
            "usage: resolvent COMMAND [...]\n\ncommands:\n",
         rsv_version());
     for (size_t i = 0; i < command_count; i++)
-        printf("  %-9s %s\n", commands[i].name, commands[i].summary);
+        printf("  %-10s %s\n", commands[i].name, commands[i].summary);
     printf("\n"
            "`resolvent COMMAND --help` explains a command, with examples. To begin:\n\n"
            "  resolvent render cornell-spheres -o spheres.png\n"

@@ -4,7 +4,7 @@
 
 #include "resolvent/core.h"
 
-#define CLI_LIST_CAPACITY 8
+#define CLI_LIST_CAPACITY 256
 
 /// Values of an option that may be given more than once.
 typedef struct cli_list {

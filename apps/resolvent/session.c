@@ -270,11 +270,14 @@ rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment)
 {
     rsv_scene *scene = NULL;
+    rsv_fog fog = rsv_default_fog();
     double started = cli_seconds();
     bool is_file = access(name, F_OK) == 0 && !session->mesh;
+    if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
     if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
     if (!read_scene(session, name, is_file, &scene)) return NULL;
     rsv_status status = add_environment(session, scene, environment);
+    if (status == RSV_OK) status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load += cli_seconds() - started;
     if (status == RSV_OK) return scene;

@@ -3,6 +3,7 @@
 #ifndef CLI_SESSION_H
 #define CLI_SESSION_H
 
+#include "fog_option.h"
 #include "progress.h"
 
 #include "resolvent/animation.h"
@@ -61,11 +62,12 @@ void cli_session_end(cli_session *session);
 /// Builds the built-in scene `name` around the session's mesh.
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
 
-/// The surroundings that --env, --env-intensity and --env-rotate ask for.
+/// The surroundings that --env, --env-intensity and --env-rotate ask for, and what fills the air.
 typedef struct cli_environment {
     const char *path; ///< NULL = none
     float intensity;  ///< factor
     float rotation;   ///< degrees
+    cli_fog fog;
 } cli_environment;
 
 #define CLI_DEFAULT_ENVIRONMENT ((cli_environment){ .intensity = 1 })
@@ -86,6 +88,22 @@ typedef struct cli_environment {
     "                     without a file: white (radiance 1 all around) or sky (a clear day)\n"    \
     "  --env-intensity S  multiply its radiance by S (default 1)\n"                                \
     "  --env-rotate DEG   turn it about the vertical, counter-clockwise from above (default 0)\n"
+
+// clang-format off
+/// The options that fill its fog.
+#define CLI_FOG_OPTIONS(environment)                                                               \
+    { .name = "--fog", .kind = CLI_TEXT, .value = &(environment)->fog.medium },                    \
+    { .name = "--fog-height", .kind = CLI_TEXT, .value = &(environment)->fog.height,               \
+      .goes_with = "--fog" }
+// clang-format on
+
+#define CLI_FOG_HELP                                                                               \
+    "  --fog E[,A[,G]]    fill the air with a medium: extinction E per metre, albedo A (default "  \
+    "1)\n"                                                                                         \
+    "                     and mean cosine G of scattering (default 0); E and A may be R:G:B; "     \
+    "so\n"                                                                                         \
+    "                     far modes reference alone follow light through it\n"                     \
+    "  --fog-height H[,Y] above the height Y (default 0) it thins to 1/e every H metres\n"
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
 /// Prints what went wrong; returns NULL then.

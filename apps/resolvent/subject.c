@@ -28,6 +28,10 @@ static bool refuse_scene_options(
     }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
+    if (environment && environment->fog.medium) {
+        cli_error("--fog: '%s' is a solved operator of clear air; only scenes take fog", name);
+        return false;
+    }
     if (surrounded)
         cli_error("--env: '%s' is a solved operator with surroundings of its own; new ones need a "
                   "new solve",

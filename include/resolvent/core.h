@@ -82,7 +82,12 @@ RSV_API rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context 
 RSV_API void rsv_context_destroy(rsv_context *context);
 
 /// Asks running work to stop with RSV_ERROR_CANCELLED. Safe from signal handlers and other threads.
+/// Later work of the context is refused likewise until rsv_context_reset_cancel().
 RSV_API void rsv_context_cancel(rsv_context *context);
+
+/// Takes a cancellation back, whether it came from rsv_context_cancel() or from the progress callback: work may begin
+/// again. Call it while the context does nothing. RSV_ERROR_UNSUPPORTED with a team: its other processes have stopped, too.
+RSV_API rsv_status rsv_context_reset_cancel(rsv_context *context);
 
 /// The calling thread's last error: one line that says what, where and what to do. Never NULL.
 RSV_API const char *rsv_last_error(void);

@@ -94,13 +94,22 @@ typedef struct rsv_probe_reading {
     rsv_rgb standard_error;
 } rsv_probe_reading;
 
-/// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.
-/// @param samples gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups
-RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, rsv_probe_mode mode,
-    const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
-    rsv_probe_reading *readings);
+/// How readings are taken.
+typedef struct rsv_probe_desc {
+    rsv_probe_mode mode;
+    uint32_t
+        samples; ///< gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups; default 4096
+    uint32_t seed; ///< another set of random numbers; default 0
+} rsv_probe_desc;
 
-/// Path-traced readings; needs no solution.
+RSV_API rsv_probe_desc rsv_default_probe_desc(void);
+
+/// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.
+/// @param desc copied @param probes [probe_count] @param readings [probe_count], out
+RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *desc,
+    const rsv_probe *probes, size_t probe_count, rsv_probe_reading *readings);
+
+/// Path-traced readings; needs no solution. @param samples, seed as in rsv_probe_desc
 RSV_API rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes,
     size_t probe_count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);
 

@@ -180,6 +180,23 @@ typedef struct rsv_environment {
         rotation; ///< degrees by which the surroundings turn about +y, counter-clockwise from above
 } rsv_environment;
 
+/// A participating medium in the air between surfaces: it absorbs, scatters and emits. Solid bodies displace it. Start from
+/// rsv_default_fog().
+typedef struct rsv_fog {
+    rsv_rgb extinction; ///< sigma_t, 1/m per channel, at and below `base_height`; 0..1e6
+    rsv_rgb albedo;     ///< of single scattering, sigma_s / sigma_t, 0..1; default 1
+    float
+        anisotropy; ///< g of Henyey and Greenstein's phase function: mean cosine, -1 < g < 1; default 0
+    rsv_rgb
+        emission; ///< W/(sr m3): radiance emitted per metre of path, where there is extinction; default 0
+    /// Metres over which extinction and emission fall to 1/e above `base_height`; INFINITY (default) = nowhere.
+    float scale_height;
+    float base_height; ///< y in metres; default 0
+    /// The box that it fills; sides may be infinitely far. Where the minimum is not below the maximum (default): with a
+    /// finite scale height all of space, else the box around the scene's surfaces, cameras, and lights that have a place.
+    rsv_vec3 bounds_min, bounds_max;
+} rsv_fog;
+
 #define RSV_ENVIRONMENT_MAX_PIXELS ((size_t)1 << 27) ///< 16384 x 8192
 
 /// The committed scene as flat arrays in world space, less `origin`; valid until the scene is destroyed.
@@ -202,6 +219,7 @@ typedef struct rsv_scene_view {
     const rsv_camera *camera;        ///< [camera_count]
     const char *const *object_name;  ///< [object_count]
     const rsv_environment *environment; ///< pixels with the intensity in them; NULL = black
+    const rsv_fog *fog; ///< with its box found, less `origin` as all coordinates; NULL = clear air
     rsv_vec3 bounds_min, bounds_max;
     /// Metres that were taken out of all coordinates above, because the scene lies far from the origin of its file:
     /// position + origin is what the file says (docs/conventions.md). All 0 in most scenes.
@@ -252,6 +270,14 @@ RSV_API rsv_status rsv_scene_set_builtin_environment(
 /// Whether `name` is one of those, and all of them, NULL-terminated.
 RSV_API bool rsv_environment_is_builtin(const char *name);
 RSV_API const char *const *rsv_environment_builtin_names(void);
+
+/// Clear air: no extinction.
+RSV_API rsv_fog rsv_default_fog(void);
+
+/// Fills a committed scene with fog (NULL, or one without extinction: with clear air). Heights and the box are in the
+/// coordinates of the scene's file. RSV_ERROR_ARGUMENT for values outside their ranges. Fog is followed by rsv_render_reference
+/// and rsv_probe_reference; everything else refuses the scene with RSV_ERROR_UNSUPPORTED.
+RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 
 /// Flattens and checks. RSV_ERROR_SCENE if nothing remains to be drawn. A scene without a camera gets
 /// one named "framing" that shows all of it.

@@ -29,13 +29,6 @@ RSV_API const char *const *rsv_solver_names(void);
 /// One of them; NULL beyond the last.
 RSV_API const char *rsv_solver_name(rsv_solver solver);
 
-/// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal
-/// points to.
-typedef struct rsv_probe {
-    rsv_vec3 position;
-    rsv_vec3 normal; ///< normalised by the callee
-} rsv_probe;
-
 /// Start from rsv_default_solve_desc().
 typedef struct rsv_solve_desc {
     uint32_t

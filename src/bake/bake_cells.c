@@ -1,9 +1,7 @@
 #include "bake_cells.h"
 
 #include "../core/vec.h"
-
-/// How far on the way.
-#define PULL 1e-3f
+#include "bake_constants.h"
 
 // ---- light ----------------------------------------------------------------------------------------
 

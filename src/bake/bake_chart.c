@@ -2,12 +2,10 @@
 
 #include "../core/index_map.h"
 #include "../core/vec.h"
+#include "bake_constants.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#define CREASE 0.77f   ///< cosine: neighbours that meet sharper are in different charts
-#define DEVIATION 0.6f ///< cosine between a triangle's normal and that of the first
 
 /// What a part's triangles are to each other.
 typedef struct surface {
@@ -117,8 +115,8 @@ static size_t grow(surface *f, uint32_t seed, const uint8_t *layer)
         for (int e = 0; e < 3; e++) {
             uint32_t n = f->neighbour[t][e];
             if (n == RSV_NONE || f->taken[n] || (layer && layer[n] != layer[seed])) continue;
-            if (v3_dot(f->normal[n], f->normal[t]) < CREASE) continue;
-            if (v3_dot(f->normal[n], f->normal[seed]) < DEVIATION) continue;
+            if (v3_dot(f->normal[n], f->normal[t]) < CHART_CREASE) continue;
+            if (v3_dot(f->normal[n], f->normal[seed]) < CHART_DEVIATION) continue;
             f->taken[n] = 1;
             f->queue[count++] = n;
         }
@@ -138,7 +136,7 @@ static void find_axes(const surface *f, size_t count, rsv_vec3 axis[2])
         for (int e = 0; e < 3; e++) {
             rsv_vec3 edge = v3_sub(f->corner[t][(e + 1) % 3], f->corner[t][e]);
             uint32_t n = f->neighbour[t][e];
-            bool border = n == RSV_NONE || v3_dot(f->normal[n], f->normal[t]) < CREASE;
+            bool border = n == RSV_NONE || v3_dot(f->normal[n], f->normal[t]) < CHART_CREASE;
             if (!border && count > 1) continue;
             if (v3_length(edge) > most) most = v3_length(edge), longest = edge;
         }

@@ -1,11 +1,7 @@
 #include "bake_directions.h"
 
 #include "../render/probe_gather.h"
-
-#define TILT 0.78539816f ///< of the normals that are read, radians: bumps are seldom steeper
-#define TILTS 3
-#define SAMPLES 64   ///< of each reading
-#define LONGEST 4.0f ///< d
+#include "bake_constants.h"
 
 /// A point of the node's support that is not buried. @return false where there is none
 static bool find_place(const rsv_light_view *s, uint32_t node, rsv_surface_point *place)
@@ -68,7 +64,7 @@ static void read_node(
 
 static rsv_status read_nodes(const rsv_light_view *s, rsv_rgb *const axis[3])
 {
-    rsv_probe_job job = rsv_probe_job_of(s, SAMPLES, s->desc.seed, true);
+    rsv_probe_job job = rsv_probe_job_of(s, TILT_SAMPLES, s->desc.seed, true);
     size_t count = s->elements->node_count, done = 0;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < count; n++) {

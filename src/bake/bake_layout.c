@@ -2,31 +2,8 @@
 
 #include "../core/vec.h"
 #include "../io/gltf_accessor.h"
+#include "bake_constants.h"
 #include "bake_pack.h"
-
-/// Attempts to undo overlaps within charts, and to find a density that fits, to that share.
-#define MOST_ROUNDS 4
-#define MOST_SIZES 12
-#define EXACT 1.005f
-/// A larger map must show this much more.
-#define WORTH_IT 1.02f
-/// Charts that fill less than this of their rectangle are divided, if that is more than so much of all surfaces, and if
-/// they have few triangles: parts of many are slivers, whose borders are too close to each other to be stitched.
-#define HOLLOW 0.4
-#define LARGE 0.002
-#define FEW 40
-/// Sides of maps where none is asked for, and the part of them that charts of a few texels may fill.
-#define FIRST_SIDE 1024
-#define LAST_SIDE 4096
-#define SMALL_CHARTS 0.4
-/// Charts that get more texels are smaller than this part of the map.
-#define SMALL_PART 64
-/// Texels along a side by which the second texture coordinates of a file are judged.
-#define CHECK_TEXELS 256
-/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that
-/// may be without: slivers that rounding makes flat.
-#define COLLAPSED 1e-3
-#define MOST_COLLAPSED 0.01
 
 // ---- texture coordinates of the file --------------------------------------------------------------
 
@@ -87,8 +64,8 @@ static rsv_status judge_uv(
     overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
     RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
     charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
-    RSV_TRY(
-        rsv_bake_map_create(&charts, b->parts->part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
+    RSV_TRY(rsv_bake_map_create(&charts, b->parts->part,
+        (rsv_bake_extent){ CHECK_TEXELS, CHECK_TEXELS, 1 }, &map, overlap));
     for (size_t t = 0; t < charts.triangle_count; t++)
         upon += overlap[t];
     if (upon) *why = "overlap";
@@ -105,16 +82,18 @@ static rsv_status read_uv(rsv_bake_layout *b, size_t k)
 {
     const rsv_bake_part *part = &b->parts->part[k];
     int accessor = b->document->gltf->mesh[part->mesh].primitive[part->primitive].uv[1];
-    size_t count, width;
+    rsv_gltf_attribute read;
     const char *why = NULL;
     if (!b->desc->keep_uv || accessor < 0) return RSV_OK;
-    rsv_status status = rsv_gltf_read_attribute(
-        b->s->context, b->document->gltf, accessor, part->label, &b->uv[k], &count, &width);
-    if (status == RSV_OK && (width != 2 || count != part->vertex_count))
+    rsv_status status =
+        rsv_gltf_read_attribute(b->s->context, b->document->gltf, accessor, part->label, &read);
+    if (status != RSV_OK) return status;
+    b->uv[k] = read.values;
+    if (read.width != 2 || read.count != part->vertex_count)
         return rsv_fail(RSV_ERROR_FORMAT,
             "mesh '%s': accessor %d holds no texture coordinates of its vertices", part->label,
             accessor);
-    if (status == RSV_OK) status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
+    status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
     if (status != RSV_OK || !why) return status;
     rsv_log(b->s->context, RSV_LOG_WARNING,
         "mesh '%s': its second texture coordinates %s; new ones are made", part->label, why);
@@ -179,8 +158,9 @@ static rsv_status divide_hollow_charts(rsv_bake_layout *b, bool *any)
     for (size_t c = 0; c < b->charts.count; c++) {
         const rsv_bake_chart *chart = &b->charts.chart[c];
         double box = (double)chart->size[0] * (double)chart->size[1];
-        bool hollow = rsv_bake_chart_area(&b->charts, chart) < HOLLOW * box && box > LARGE * all;
-        if (!hollow || chart->triangle_count > FEW || b->uv[chart->part]) continue;
+        bool hollow =
+            rsv_bake_chart_area(&b->charts, chart) < HOLLOW * box && box > HOLLOW_SHARE * all;
+        if (!hollow || chart->triangle_count > HOLLOW_TRIANGLES || b->uv[chart->part]) continue;
         uint8_t *layer = layer_of(b, chart->part);
         if (!layer) return RSV_ERROR_MEMORY;
         for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++)
@@ -207,7 +187,7 @@ static rsv_status find_density(
 {
     rsv_status status;
     float low = 0, high = most, middle = most;
-    for (int k = 0; k < MOST_SIZES && !(low > 0 && high < EXACT * low); k++) {
+    for (int k = 0; k < DENSITY_ROUNDS && !(low > 0 && high < DENSITY_EXACT * low); k++) {
         uint32_t needed;
         RSV_TRY(rsv_bake_pack(&b->charts, middle, b->desc->padding, side, side, &needed));
         if (needed != UINT32_MAX)
@@ -279,8 +259,8 @@ static rsv_status draw(rsv_bake_layout *b, uint8_t *overlap)
     rsv_status status = pack(b, &width, &height);
     if (status != RSV_OK) return status;
     rsv_bake_map_destroy(b->s->context, &b->map);
-    return rsv_bake_map_create(
-        &b->charts, b->parts->part, width, height, b->desc->padding, &b->map, overlap);
+    return rsv_bake_map_create(&b->charts, b->parts->part,
+        (rsv_bake_extent){ width, height, b->desc->padding }, &b->map, overlap);
 }
 
 static rsv_status lay_out(rsv_bake_layout *b)
@@ -289,7 +269,7 @@ static rsv_status lay_out(rsv_bake_layout *b)
     bool again = true;
     RSV_TRY(make_charts(b));
     RSV_TRY(divide_hollow_charts(b, &again));
-    for (int round = 0; round < MOST_ROUNDS && (again || round == 0); round++) {
+    for (int round = 0; round < OVERLAP_ROUNDS && (again || round == 0); round++) {
         if (again) RSV_TRY(make_charts(b));
         uint8_t *overlap = rsv_alloc(b->s->context, b->charts.triangle_count, 1);
         status = overlap ? draw(b, overlap) : RSV_ERROR_MEMORY;

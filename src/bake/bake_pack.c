@@ -1,18 +1,11 @@
 #include "bake_pack.h"
 
 #include "../core/vec.h"
+#include "bake_constants.h"
 #include "bake_mask.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Texels at the rim of a map that stay empty, for filtering on a border to touch.
-#define RIM 1
-/// Runs of a chart are tried so far apart first: most places are refused by one of the first.
-#define STRIDE 16
-/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many thousands
-/// would take minutes otherwise.
-#define LARGEST_KIND 64
 
 static void size_chart(rsv_bake_chart *chart, float density)
 {
@@ -113,8 +106,8 @@ static uint32_t find_column(sheet *s, uint32_t columns, uint32_t y)
 {
     memset(s->open, 0, s->words * sizeof *s->open);
     set_bits(s->open, RIM, RIM + columns);
-    for (size_t first = 0; first < STRIDE; first++)
-        for (size_t k = first; k < s->mask.run_count; k += STRIDE)
+    for (size_t first = 0; first < RUN_STRIDE; first++)
+        for (size_t k = first; k < s->mask.run_count; k += RUN_STRIDE)
             if (!keep_open(s, y, s->mask.run[k])) return UINT32_MAX;
     uint32_t x = RIM;
     while (!(s->open[x / 64] >> x % 64 & 1))

@@ -27,17 +27,16 @@ static rsv_status read_part(
     const rsv_bake_document *d, const rsv_gltf_primitive *primitive, rsv_bake_part *part)
 {
     rsv_status status;
-    uint32_t *index = NULL;
-    size_t count;
+    rsv_gltf_indices read = { 0 };
     RSV_TRY(rsv_gltf_read_vectors(d->context, d->gltf, primitive->position, part->label,
         &part->position, &part->vertex_count));
-    count = part->vertex_count;
+    read.count = part->vertex_count;
     if (primitive->indices >= 0)
-        RSV_TRY(rsv_gltf_read_indices(d->context, d->gltf, primitive->indices, part->label,
-            part->vertex_count, &index, &count));
-    part->triangle_count = primitive->mode == RSV_GLTF_TRIANGLES ? count / 3
-                           : count < 3                           ? 0
-                                                                 : count - 2;
+        RSV_TRY(rsv_gltf_read_indices(
+            d->context, d->gltf, primitive->indices, part->label, part->vertex_count, &read));
+    part->triangle_count = primitive->mode == RSV_GLTF_TRIANGLES ? read.count / 3
+                           : read.count < 3                      ? 0
+                                                                 : read.count - 2;
     part->corner = rsv_alloc(d->context, part->triangle_count, sizeof *part->corner);
     part->triangle = rsv_alloc(d->context, part->triangle_count, sizeof *part->triangle);
     RSV_TRY(part->corner && part->triangle ? RSV_OK : RSV_ERROR_MEMORY);
@@ -46,10 +45,10 @@ static rsv_status read_part(
         find_corners(primitive->mode, t, at);
         part->triangle[t] = RSV_NONE;
         for (int k = 0; k < 3; k++)
-            part->corner[t][k] = index ? index[at[k]] : (uint32_t)at[k];
+            part->corner[t][k] = read.index ? read.index[at[k]] : (uint32_t)at[k];
     }
 cleanup:
-    rsv_free(d->context, index);
+    rsv_free(d->context, read.index);
     return status;
 }
 

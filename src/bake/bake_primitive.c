@@ -179,21 +179,21 @@ static rsv_status read_blended(const rsv_bake_document *d, int accessor, const r
     const rsv_bake_mesh *mesh, float **value, size_t *width)
 {
     rsv_status status;
-    float *from = NULL, *all = NULL, *to = NULL;
-    size_t count;
-    RSV_TRY(
-        rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, &from, &count, width));
-    RSV_TRY(check_count(part, accessor, count));
+    rsv_gltf_attribute from = { 0 };
+    float *all = NULL, *to = NULL;
+    RSV_TRY(rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, &from));
+    RSV_TRY(check_count(part, accessor, from.count));
+    *width = from.width;
     all = rsv_alloc(d->context, mesh->attribute_count, *width * sizeof *all);
     to = rsv_alloc(d->context, mesh->vertex_count, *width * sizeof *to);
     RSV_TRY(all && to ? RSV_OK : RSV_ERROR_MEMORY);
-    blend(mesh, *width, from, all);
+    blend(mesh, *width, from.values, all);
     for (size_t n = 0; n < mesh->vertex_count; n++)
         memcpy(to + n * *width, all + mesh->attribute[n] * *width, *width * sizeof *to);
     *value = to;
     to = NULL;
 cleanup:
-    rsv_free(d->context, from);
+    rsv_free(d->context, from.values);
     rsv_free(d->context, all);
     rsv_free(d->context, to);
     return status;
@@ -285,14 +285,16 @@ rsv_status rsv_bake_read_colors(const rsv_bake_document *d, const cJSON *primiti
     const rsv_bake_part *part, const rsv_bake_mesh *mesh, float **color, size_t *width)
 {
     int accessor = reference(item(primitive, "attributes"), "COLOR_0");
-    size_t count;
+    rsv_gltf_attribute read;
     *color = NULL;
     *width = 3;
     if (accessor < 0) return RSV_OK;
     if (mesh->changed) return read_blended(d, accessor, part, mesh, color, width);
-    rsv_status status =
-        rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, color, &count, width);
-    return status == RSV_OK ? check_count(part, accessor, count) : status;
+    rsv_status status = rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, &read);
+    if (status != RSV_OK) return status;
+    *color = read.values;
+    *width = read.width;
+    return check_count(part, accessor, read.count);
 }
 
 static rsv_status replace_attributes(

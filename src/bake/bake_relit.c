@@ -3,11 +3,9 @@
 #include "../core/vec.h"
 #include "../scene/punctual.h"
 #include "../scene/scene.h"
+#include "bake_constants.h"
 
 #include <string.h>
-
-/// Relative to what is compared: what differs by less was only rounded.
-#define ROUNDING 1e-5f
 
 static const char punctual[] = "KHR_lights_punctual";
 

@@ -1,22 +1,12 @@
 #include "bake_seam.h"
 
+#include "bake_constants.h"
 #include "bake_stitch.h"
 
 #include "../core/vec.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Light below this share of the mean is dark: nobody sees relative jumps there.
-#define DARK 0.05f
-/// Samples along a border edge: so many to a texel, at most so many in all.
-#define SAMPLES_PER_TEXEL 2
-#define MOST_SAMPLES 64
-/// Jumps beyond this share are seen.
-#define SEEN 0.01
-/// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
-#define SMOOTH 0.94f
-#define CONTINUOUS 0.002f
 
 /// An edge of a triangle in a chart, known by its ends in space.
 typedef struct border {
@@ -99,7 +89,7 @@ static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
 {
     rsv_status status = RSV_OK;
     bool reversed = x->from.x != y->from.x || x->from.y != y->from.y || x->from.z != y->from.z;
-    if (v3_dot(normal_of(q, x), normal_of(q, y)) < SMOOTH) return RSV_OK;
+    if (v3_dot(normal_of(q, x), normal_of(q, y)) < SEAM_SMOOTH) return RSV_OK;
     int count = sample_count(q, x), other = sample_count(q, y);
     count = other > count ? other : count;
     for (int k = 0; k < count; k++) {
@@ -158,10 +148,12 @@ static void mark_open(const seam_search *q, const rsv_bake_map *map, uint8_t *op
             open[q->stitch[k].chart[0]] = open[q->stitch[k].chart[1]] = 1;
 }
 
-rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_charts *charts,
-    const rsv_bake_parts *parts, double mean, rsv_bake_map *map, uint8_t *open, double *largest)
+rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_layout *layout,
+    double mean, rsv_bake_map *map, uint8_t *open, double *largest)
 {
-    seam_search q = { .s = solution, .charts = charts, .parts = parts, .dark = DARK * (float)mean };
+    seam_search q = {
+        .s = solution, .charts = &layout->charts, .parts = layout->parts, .dark = DARK * (float)mean
+    };
     rsv_status status = find_stitches(&q);
     if (status == RSV_OK)
         status = rsv_bake_stitch_up(solution->context, q.stitch, q.count, map, largest);

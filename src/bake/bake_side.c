@@ -6,22 +6,8 @@
 #include "../scene/scene.h"
 #include "../surface/surface.h"
 #include "bake_chart.h"
+#include "bake_constants.h"
 #include "bake_receiver.h"
-
-/// A side is narrow if one sees less than so many metres from it in the mean, all beyond FAR being as far: nobody looks from
-/// within cushions, or from behind skirting boards, but from rooms.
-#define NARROW 0.35
-#define FAR 2.0f
-/// It is narrower than another if one sees less than this share of what one sees there.
-#define NARROWER 0.5
-/// A front that receives less than this share of what its back does is in the dark.
-#define DARK 0.05
-#define RAYS 64 ///< from each side of a surface
-/// Where neighbours' normals have a cosine of less, a surface has a crease.
-#define SMOOTH 0.7f
-/// A piece between creases whose front receives so many times what its back does shows it, whatever the whole surface does: of
-/// a slab above a ceiling one sees nothing, of the beam below it that hangs on the same mesh, a face.
-#define LIGHTER 1.5
 
 /// Triangles that share edges and turn the same way.
 typedef struct surface {
@@ -156,7 +142,8 @@ static void look_around(surfaces *f)
         surface *own = &f->surface[first_of(f, t)];
         if (!is_darker(own)) continue;
         own->swept += (double)rsv_triangle_area(f->s->scene.view, triangle);
-        for (; own->rays < RAYS && (own->rays + 0.5) * own->area < RAYS * own->swept; own->rays++)
+        for (; own->rays < SIDE_RAYS && (own->rays + 0.5) * own->area < SIDE_RAYS * own->swept;
+             own->rays++)
             for (int side = 0; side < 2; side++)
                 own->sight[side] += sight_from(f->s, triangle, side, own->rays);
     }
@@ -167,7 +154,7 @@ static bool shows_back(const surface *own)
 {
     bool narrow = own->sight[0] < NARROW * own->rays;
     bool narrower = own->sight[0] < NARROWER * own->sight[1];
-    bool dark = own->power[0] < DARK * own->power[1];
+    bool dark = own->power[0] < DARK_FRONT * own->power[1];
     return is_darker(own) && narrow && (narrower || dark);
 }
 
@@ -215,7 +202,7 @@ rsv_status rsv_bake_choose_sides(const rsv_light_view *s, rsv_bake_part *part)
     RSV_TRY(power ? RSV_OK : RSV_ERROR_MEMORY);
     find_power(s, part, power);
     RSV_TRY(surfaces_create(-INFINITY, &whole));
-    RSV_TRY(surfaces_create(SMOOTH, &pieces));
+    RSV_TRY(surfaces_create(SIDE_CREASE, &pieces));
     look_around(&whole);
     for (uint32_t t = 0; t < count; t++) {
         const surface *piece = &pieces.surface[first_of(&pieces, t)];

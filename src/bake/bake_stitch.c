@@ -1,21 +1,8 @@
 #include "bake_stitch.h"
 
 #include "../core/vec.h"
+#include "bake_constants.h"
 #include "bake_stitch_groups.h"
-
-/// Passes towards what was solved, before both sides are drawn together.
-#define TRUE_PASSES 5
-/// A jump that nobody sees, how often that is asked, and when it is given up.
-#define CLOSED 0.005
-#define STEPS_PER_LOOK 25
-#define MOST_STEPS 2000
-/// Light below 0 is cut off, which opens jumps again, ever smaller ones.
-#define MOST_ROUNDS 40
-/// What stays open counts this much more in the next round, in so many of the first rounds.
-#define STRESS 2
-#define STRESSED_ROUNDS 12
-/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
-#define STIFFNESS 0.2f
 
 /// The four texels that filtering mixes at a point.
 typedef struct footprint {
@@ -271,7 +258,7 @@ static void stress_open(jumps *j, const rsv_bake_map *map)
 
 static void close_group(jumps j, rsv_bake_map *map)
 {
-    for (int round = 0; round < MOST_ROUNDS && largest_jump(map, j.stitch, j.count) > CLOSED;
+    for (int round = 0; round < STITCH_ROUNDS && largest_jump(map, j.stitch, j.count) > CLOSED;
          round++) {
         close_jumps(&j, map);
         if (round < STRESSED_ROUNDS) stress_open(&j, map);

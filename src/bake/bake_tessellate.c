@@ -3,11 +3,9 @@
 #include "../core/index_map.h"
 #include "../core/vec.h"
 #include "bake_cells.h"
+#include "bake_constants.h"
 
 #include <string.h>
-
-/// Vertices are doubled where light differs by more than this.
-#define JUMP 0.02f
 
 /// A corner of a cell within one triangle of the file.
 typedef struct corner {

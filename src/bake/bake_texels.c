@@ -1,12 +1,7 @@
 #include "bake_texels.h"
 
 #include "../core/vec.h"
-
-/// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
-/// chart overlaps itself; borders may touch, and rounding moves them by far less.
-#define OVERLAP_DEPTH 0.05f
-/// How much brighter or darker a texel beyond a border may be than the border.
-#define MOST_BEYOND 0.5f
+#include "bake_constants.h"
 
 /// A triangle in the map.
 typedef struct flat_triangle {
@@ -63,21 +58,25 @@ static float depth_of(const flat_triangle *f, float x, float y)
     return f_max(sqrtf(depth), f_min(f_min(share[0], share[1]), share[2]));
 }
 
-/// The receiver at weights `w`, for a texel at (x, y) that may lie beyond.
-static rsv_bake_receiver receive(const flat_triangle *f, const rsv_bake_part *part,
-    uint32_t triangle, const float w[3], float distance, float x, float y)
+/// The receiver at weights `w`.
+static rsv_bake_receiver receive(const rsv_bake_part *part, uint32_t triangle, const float w[3])
 {
     rsv_bake_receiver r = { .triangle = part->triangle[triangle], .back = part->back[triangle] };
     rsv_bake_place(part, w[1], w[2], &r.u, &r.v);
-    if (distance == 0) return r;
+    return r;
+}
+
+/// Lets a receiver at weights `w` stand for a texel at (x, y) beyond the border there.
+static void extend(const flat_triangle *f, const rsv_bake_part *part, const float w[3], float x,
+    float y, rsv_bake_receiver *r)
+{
     float on_x = 0, on_y = 0, back[3];
     for (int k = 0; k < 3; k++)
         on_x += w[k] * f->p[k][0], on_y += w[k] * f->p[k][1];
     barycentric(f, 2 * on_x - x, 2 * on_y - y, back);
-    if (back[0] < 0 || back[1] < 0 || back[2] < 0) return r;
-    rsv_bake_place(part, back[1], back[2], &r.u_back, &r.v_back);
-    r.beyond = 1;
-    return r;
+    if (back[0] < 0 || back[1] < 0 || back[2] < 0) return;
+    rsv_bake_place(part, back[1], back[2], &r->u_back, &r->v_back);
+    r->beyond = 1;
 }
 
 typedef struct rasterizer {
@@ -99,10 +98,11 @@ static void take_texel(const rasterizer *q, const flat_triangle *f, const rsv_ba
                  depth_of(f, px, py) > OVERLAP_DEPTH;
     if (twice) q->overlap[k] = 1;
     if (distance > q->reach || distance >= map->distance[texel]) return;
-    uint32_t triangle = q->charts->triangle[k];
+    const rsv_bake_part *part = &q->parts[chart->part];
     map->distance[texel] = distance;
     map->owner[texel] = k;
-    map->receiver[texel] = receive(f, &q->parts[chart->part], triangle, w, distance, px, py);
+    map->receiver[texel] = receive(part, q->charts->triangle[k], w);
+    if (distance != 0) extend(f, part, w, px, py, &map->receiver[texel]);
 }
 
 static void draw_triangle(const rasterizer *q, const rsv_bake_chart *chart, uint32_t k)
@@ -153,12 +153,12 @@ static rsv_status fill_gaps(rsv_context *context, rsv_bake_map *map)
 }
 
 rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_part *parts,
-    uint32_t width, uint32_t height, uint32_t padding, rsv_bake_map *map, uint8_t *overlap)
+    rsv_bake_extent extent, rsv_bake_map *map, uint8_t *overlap)
 {
     rsv_context *context = charts->context;
-    size_t texels = (size_t)width * height;
-    *map = (rsv_bake_map){ .width = width,
-        .height = height,
+    size_t texels = (size_t)extent.width * extent.height;
+    *map = (rsv_bake_map){ .width = extent.width,
+        .height = extent.height,
         .receiver = rsv_alloc(context, texels, sizeof *map->receiver),
         .distance = rsv_alloc(context, texels, sizeof *map->distance),
         .owner = rsv_alloc(context, texels, sizeof *map->owner),
@@ -170,7 +170,8 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
         map->owner[k] = RSV_NONE;
     }
     // filtering reaches a texel and a half beyond a border; charts keep their distance for that
-    const rasterizer q = { charts, parts, map, f_min(1.5f, 0.5f * (float)padding + 0.5f), overlap };
+    const float reach = f_min(1.5f, 0.5f * (float)extent.padding + 0.5f);
+    const rasterizer q = { charts, parts, map, reach, overlap };
     for (size_t c = 0; c < charts->count; c++)
         for (uint32_t k = 0; k < charts->chart[c].triangle_count; k++)
             draw_triangle(&q, &charts->chart[c], charts->chart[c].first + k);

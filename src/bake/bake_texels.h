@@ -14,11 +14,16 @@ typedef struct rsv_bake_map {
     rsv_rgb *light;  ///< [height * width]
 } rsv_bake_map;
 
+/// Texels along the sides of a map, and those of charts beyond their borders.
+typedef struct rsv_bake_extent {
+    uint32_t width, height, padding;
+} rsv_bake_extent;
+
 /// Finds the nearest place of a chart for every texel that filtering can reach: texels within surfaces, and those up to
 /// `padding` beyond their borders, which continue light linearly.
 /// @param overlap [charts->triangle_count] out: set for triangles that lie upon others of their chart; or NULL
 rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_part *parts,
-    uint32_t width, uint32_t height, uint32_t padding, rsv_bake_map *map, uint8_t *overlap);
+    rsv_bake_extent extent, rsv_bake_map *map, uint8_t *overlap);
 void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map);
 
 /// Light of all texels.

@@ -1,6 +1,7 @@
 /// Light in a picture over the surfaces of a glTF file.
 #include "../core/vec.h"
 #include "bake_basis.h"
+#include "bake_constants.h"
 #include "bake_lightmap_file.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
@@ -10,12 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
-#define BRIGHTEST 0.995
-
-/// How often charts whose seams stay open get more texels.
-#define MOST_REFINEMENTS 6
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -48,8 +43,8 @@ static rsv_status read_map(
     map.light = value;
     rsv_bake_map_light(light, &map);
     double share = all > 0 ? rsv_bake_map_sum(&map) / all : 0;
-    return rsv_bake_close_seams(light, &b->layout.charts, &b->parts,
-        share * b->s->report.mean_irradiance, &map, NULL, &largest);
+    return rsv_bake_close_seams(
+        light, &b->layout, share * b->s->report.mean_irradiance, &map, NULL, &largest);
 }
 
 static rsv_status write_basis(const rsv_lightmap_bake *b, const char *output, size_t *lights)
@@ -110,8 +105,8 @@ static rsv_status light_map(rsv_lightmap_bake *b)
     for (int round = 0; again; round++) {
         memset(open, 0, charts);
         rsv_bake_map_light(b->s, &b->layout.map);
-        RSV_TRY(rsv_bake_close_seams(b->s, &b->layout.charts, &b->parts,
-            b->s->report.mean_irradiance, &b->layout.map, open, &b->largest_seam));
+        RSV_TRY(rsv_bake_close_seams(b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map,
+            open, &b->largest_seam));
         again = round < MOST_REFINEMENTS;
         if (again) RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
     }

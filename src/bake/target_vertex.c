@@ -1,5 +1,6 @@
 /// Light in the vertices of a glTF file.
 #include "bake_basis.h"
+#include "bake_constants.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
@@ -8,8 +9,6 @@
 #include <string.h>
 
 #define PI_F 3.14159265f
-/// Share of the mean irradiance beside which nobody sees an error.
-#define DARK 0.05f
 
 typedef struct vertex_bake {
     const rsv_light_view *s;

@@ -160,22 +160,22 @@ RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
 RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
 
-/// Part of [0, 1), from 0 on, in which `u_lobe` makes rsv_bsdf_draw_event draw another lobe than the diffuse one.
+/// Part of [0, 1), from 0 on, in which u[0] makes rsv_bsdf_draw_event draw another lobe than the diffuse one.
 RSV_INLINE float rsv_bsdf_specular_chance(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
 
 /// Draws what happens to light that leaves along `wo`: weights are 1 wherever the surface is colourless
-/// and lossless. `u_lobe`, `u1`, `u2` lie in [0, 1).
+/// and lossless. @param u in [0, 1): the first chooses a lobe, the others a direction of it
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3]);
 
 /// Draws among the lobes that are not diffuse, with the chance of these in the weight; the density is not divided by it.
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3]);
 
 /// Draws an event and, in the diffuse lobe, its direction.
 RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3]);
 
 /// Response to light from `wi`, on either side of the surface, of the lobes in `lobes`, and the density
 /// per solid angle with which rsv_bsdf_sample_direction draws wi by one of them.

@@ -287,7 +287,7 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
         return shares.once + shares.again;
     }
     if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
-    // in the order in which draws split u_lobe: the diffuse lobe has its last part
+    // in the order in which draws split u[0]: the diffuse lobe has its last part
     float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
                     (1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o));
     if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
@@ -295,7 +295,7 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
 }
 
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3])
 {
     float cos_o = v3_dot(n, wo);
     if (rsv_bsdf_is_black_side(bsdf, front) || cos_o <= 0)
@@ -305,10 +305,10 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
         return diffuse;
     }
     rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, RSV_SPREAD_METAL,
-        rsv_random_from(rsv_number_bits(u_lobe), rsv_number_bits(u1), rsv_number_bits(u2)) };
+        rsv_random_from(rsv_number_bits(u[0]), rsv_number_bits(u[1]), rsv_number_bits(u[2])) };
     rsv_bsdf_event event = rsv_bsdf_meets_layers(bsdf, front)
-                               ? rsv_draw_layered(&draw, u_lobe, u1, u2)
-                               : rsv_draw_base(&draw, u_lobe, u1, u2);
+                               ? rsv_draw_layered(&draw, u[0], u[1], u[2])
+                               : rsv_draw_base(&draw, u[0], u[1], u[2]);
     if (event.lobe == RSV_LOBE_DIFFUSE) return event;
     // 0 where the direction came from an ideal lobe, as no density is found there but by accident
     event.pdf_solid_angle = event.lobe == RSV_LOBE_NONE || draw.ideal
@@ -347,7 +347,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_black_glass(
 }
 
 RSV_LARGE rsv_bsdf_event rsv_bsdf_draw_specular(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3])
 {
     float chance = rsv_bsdf_specular_chance(bsdf, wo, n, front);
     bool faces = v3_dot(n, wo) > 0, black_glass = faces && rsv_bsdf_is_black_glass(bsdf, front);
@@ -356,25 +356,26 @@ RSV_LARGE rsv_bsdf_event rsv_bsdf_draw_specular(
     rsv_bsdf_event event;
     if (coat_alone || black_glass) {
         rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, 0,
-            rsv_random_from(rsv_number_bits(u_lobe), rsv_number_bits(u1), rsv_number_bits(u2)) };
-        event = black_glass ? rsv_draw_black_glass(&draw, u_lobe, u1, u2)
-                            : rsv_draw_weighted_coat(&draw, u1, u2);
+            rsv_random_from(rsv_number_bits(u[0]), rsv_number_bits(u[1]), rsv_number_bits(u[2])) };
+        event = black_glass ? rsv_draw_black_glass(&draw, u[0], u[1], u[2])
+                            : rsv_draw_weighted_coat(&draw, u[1], u[2]);
         if (event.lobe != RSV_LOBE_NONE)
             event.pdf_solid_angle = rsv_bsdf_pdf(bsdf, event.direction, wo, n, front);
         return event;
     }
-    event = rsv_bsdf_draw_event(bsdf, wo, n, front, chance * u_lobe, u1, u2);
+    const float among[3] = { chance * u[0], u[1], u[2] };
+    event = rsv_bsdf_draw_event(bsdf, wo, n, front, among);
     event.weight = rgb_scale(event.weight, chance);
     return event;
 }
 
 RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3])
 {
-    rsv_bsdf_event event = rsv_bsdf_draw_event(bsdf, wo, n, front, u_lobe, u1, u2);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(bsdf, wo, n, front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
     if (event.lobe != RSV_LOBE_DIFFUSE) return sample;
-    rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2);
+    rsv_vec3 local = rsv_square_to_cosine_hemisphere(u[1], u[2]);
     sample.direction = rsv_from_frame(local, n);
     rsv_rgb exitance = rgb_mul(bsdf->base_color, rsv_bsdf_entry(bsdf, local.z));
     sample.weight = rgb_mul(sample.weight, exitance);

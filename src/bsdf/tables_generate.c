@@ -30,17 +30,23 @@ static float eta_of(int side, int e)
     return side ? 1 / eta : eta;
 }
 
-/// @param weight of the facet times what of its mirrored light is not masked
-static void add_facet(
-    albedos *sum, rsv_vec3 wo, rsv_vec3 h, float alpha, double weight, double seen, int side, int e)
+/// A facet that is seen from one direction.
+typedef struct facet {
+    rsv_vec3 wo, h;
+    float alpha;
+    double weight;
+    double seen; ///< share of its mirrored light that is not masked
+} facet;
+
+static void add_facet(albedos *sum, const facet *f, int side, int e)
 {
-    float eta = eta_of(side, e), cos_t, cos_h = f_max(v3_dot(wo, h), 0);
+    float eta = eta_of(side, e), cos_t, cos_h = f_max(v3_dot(f->wo, f->h), 0);
     double fresnel = (double)rsv_fresnel_dielectric(cos_h, eta, &cos_t);
-    float down = wo.z / eta - (cos_h / eta - cos_t) * h.z;
-    sum->reflected[side][e] += weight * seen * fresnel;
+    float down = f->wo.z / eta - (cos_h / eta - cos_t) * f->h.z;
+    sum->reflected[side][e] += f->weight * f->seen * fresnel;
     if (down > 0)
         sum->transmitted[side][e] +=
-            weight * (1 - fresnel) * (double)rsv_ggx_visibility(wo.z, down, alpha);
+            f->weight * (1 - fresnel) * (double)rsv_ggx_visibility(f->wo.z, down, f->alpha);
 }
 
 static albedos integrate(float cos_o, float alpha)
@@ -49,14 +55,14 @@ static albedos integrate(float cos_o, float alpha)
     rsv_vec3 wo = v3(sqrtf(1 - cos_o * cos_o), 0, cos_o);
     for (int i = 0; i < COLUMNS * ROWS; i++) {
         float u = ((float)(i % COLUMNS) + 0.5f) / COLUMNS, v = ((float)(i / COLUMNS) + 0.5f) / ROWS;
-        rsv_vec3 h = rsv_ggx_sample_visible(wo, alpha, 0.5f * u, 1 - v * v * v);
-        double weight = 3 * (double)(v * v) / (COLUMNS * ROWS);
-        float up = 2 * v3_dot(wo, h) * h.z - wo.z;
-        double seen = up > 0 ? (double)rsv_ggx_visibility(wo.z, up, alpha) : 0;
-        sum.metal += weight * seen;
+        facet f = { .wo = wo, .alpha = alpha, .weight = 3 * (double)(v * v) / (COLUMNS * ROWS) };
+        f.h = rsv_ggx_sample_visible(wo, alpha, 0.5f * u, 1 - v * v * v);
+        float up = 2 * v3_dot(wo, f.h) * f.h.z - wo.z;
+        f.seen = up > 0 ? (double)rsv_ggx_visibility(wo.z, up, alpha) : 0;
+        sum.metal += f.weight * f.seen;
         for (int side = 0; side < 2; side++)
             for (int e = 0; e < RSV_TABLE_ETA; e++)
-                add_facet(&sum, wo, h, alpha, weight, seen, side, e);
+                add_facet(&sum, &f, side, e);
     }
     return sum;
 }

@@ -142,7 +142,7 @@ RSV_INLINE bool rsv_bvh_trace(const rsv_bvh_view *bvh, const rsv_ray *ray, bool 
         for (; triangles.bits; triangles.bits &= triangles.bits - 1) {
             rsv_bvh_triangle t = bvh->triangle[triangles.first + rsv_lowest_bit(triangles.bits)];
             rsv_hit met;
-            if (!rsv_meets_triangle(&shear, ray->origin, t.a, t.b, t.c, hit->t, &met)) continue;
+            if (!rsv_meets_triangle(&shear, ray->origin, &t, hit->t, &met)) continue;
             if (bvh->holes && rsv_is_cut_out(bvh->holes, t.index, met.u, met.v)) continue;
             met.triangle = t.index;
             *hit = met;

@@ -4,6 +4,7 @@
 #define RSV_WATERTIGHT_H
 
 #include "../core/vec.h"
+#include "bvh.h"
 #include "resolvent/trace.h"
 
 /// The shear that turns a ray's direction into the unit vector of its main axis.
@@ -57,11 +58,12 @@ RSV_INLINE float rsv_edge_side(rsv_vec3 p, rsv_vec3 q)
 }
 
 /// Whether the ray meets the triangle at a distance in (0, t_max). @param hit out: t, u and v
-RSV_INLINE bool rsv_meets_triangle(const rsv_shear *shear, rsv_vec3 origin, rsv_vec3 corner_a,
-    rsv_vec3 corner_b, rsv_vec3 corner_c, float t_max, rsv_hit *hit)
+RSV_INLINE bool rsv_meets_triangle(const rsv_shear *shear, rsv_vec3 origin,
+    const rsv_bvh_triangle *triangle, float t_max, rsv_hit *hit)
 {
-    rsv_vec3 a = rsv_sheared(shear, origin, corner_a), b = rsv_sheared(shear, origin, corner_b),
-             c = rsv_sheared(shear, origin, corner_c);
+    rsv_vec3 a = rsv_sheared(shear, origin, triangle->a),
+             b = rsv_sheared(shear, origin, triangle->b),
+             c = rsv_sheared(shear, origin, triangle->c);
     float of_a = rsv_edge_side(c, b), of_b = rsv_edge_side(a, c), of_c = rsv_edge_side(b, a);
     if ((of_a < 0 || of_b < 0 || of_c < 0) && (of_a > 0 || of_b > 0 || of_c > 0)) return false;
     float sum = of_a + of_b + of_c;

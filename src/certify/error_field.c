@@ -9,19 +9,28 @@
 /// Sets that are solved together: memory for speed.
 #define SETS_AT_A_TIME 4
 
+/// Samples of the residual, in sets that take turns.
+typedef struct residual_samples {
+    const rsv_residual_sample *sample;
+    size_t count;
+    double area; ///< that they stand for, m2
+} residual_samples;
+
 /// The residual as a field on the elements: each sample is handed to the hats around it, over their areas. (What the
 /// operator makes of it is the mean over all samples of what it makes of each.)
-static void project(const rsv_light_view *s, const rsv_residual_sample *sample, size_t count,
-    size_t set, double area, rsv_rgb *load)
+static void project(
+    const rsv_light_view *s, const residual_samples *samples, size_t set, rsv_rgb *load)
 {
     const rsv_elements *e = s->elements;
-    for (size_t k = set; k < count; k += RSV_SAMPLE_SETS) {
-        if (!sample[k].valid) continue;
+    double area = samples->area * RSV_SAMPLE_SETS;
+    for (size_t k = set; k < samples->count; k += RSV_SAMPLE_SETS) {
+        const rsv_residual_sample *sample = &samples->sample[k];
+        if (!sample->valid) continue;
         float weight[3];
-        const rsv_face_point *p = &sample[k].point;
+        const rsv_face_point *p = &sample->point;
         const uint32_t *node = e->cell_node[rsv_elements_locate(e, p->face, p->u, p->v, weight)];
-        rsv_rgb residual = rgb_scale(rgb_add(sample[k].at.residual[0], sample[k].at.residual[1]),
-            (float)(0.5 * area * sample[k].weight));
+        rsv_rgb residual = rgb_scale(rgb_add(sample->at.residual[0], sample->at.residual[1]),
+            (float)(0.5 * area * sample->weight));
         for (int corner = 0; corner < 3; corner++)
             load[node[corner]] = rgb_mad(load[node[corner]], weight[corner], residual);
     }
@@ -63,14 +72,14 @@ typedef struct batch {
     rsv_rgb *load, *image, *error; ///< [node_count x SETS_AT_A_TIME]
 } batch;
 
-static rsv_status predict(const rsv_light_view *s, const rsv_residual_sample *sample, size_t count,
-    double area, size_t first_set, batch *b, rsv_error_field *field)
+static rsv_status predict(const rsv_light_view *s, const residual_samples *samples,
+    size_t first_set, batch *b, rsv_error_field *field)
 {
     size_t nodes = s->elements->node_count, sets = SETS_AT_A_TIME;
     rsv_status status = RSV_OK;
     for (size_t k = 0; k < sets; k++) {
         memset(b->one, 0, nodes * sizeof *b->one);
-        project(s, sample, count, first_set + k, area * RSV_SAMPLE_SETS, b->one);
+        project(s, samples, first_set + k, b->one);
         for (size_t n = 0; n < nodes; n++)
             b->load[n * sets + k] = b->one[n];
     }
@@ -91,6 +100,7 @@ rsv_status rsv_error_field_create(const rsv_light_view *s, const rsv_residual_sa
 {
     rsv_context *context = s->context;
     size_t nodes = s->elements->node_count, sets = SETS_AT_A_TIME;
+    const residual_samples samples = { sample, count, area };
     rsv_status status = RSV_ERROR_MEMORY;
     batch b = { .one = rsv_alloc(context, nodes, sizeof *b.one),
         .load = rsv_alloc(context, sets * nodes, sizeof *b.load),
@@ -103,7 +113,7 @@ rsv_status rsv_error_field_create(const rsv_light_view *s, const rsv_residual_sa
     }
     status = RSV_OK;
     for (size_t set = 0; set < RSV_SAMPLE_SETS; set += sets)
-        RSV_TRY(predict(s, sample, count, area, set, &b, field));
+        RSV_TRY(predict(s, &samples, set, &b, field));
 cleanup:
     rsv_free(context, b.one);
     rsv_free(context, b.load);

@@ -56,8 +56,7 @@ static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_p
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return false;
     brightest_end end = { 0 };
-    rsv_specular_path path = rsv_specular_begin(
-        &s->scene, &job->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path path = rsv_specular_begin(&s->scene, &job->medium, ray.direction, hit);
     const rsv_camera_setting setting = { &s->scene, s->lights, NULL, RSV_CAMERA_PATH_DEPTH, false };
     rsv_camera_path(&setting, path, rsv_hash3(job->seed, x, y), NULL, keep_brightest, &end);
     if (end.weight == 0) return false;

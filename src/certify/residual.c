@@ -41,8 +41,8 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
             rsv_point_width(s, p)));
     r->medium = rsv_medium_above(&s->scene.media, r->at.origin, r->at.point.geometric);
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
-    r->entrance.coat =
-        rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
+    r->entrance.coat = rsv_surface_bsdf(
+        s->scene.view, s->bsdf, (rsv_footprint){ triangle, p->u, p->v, 0 }, &r->storage);
     v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 
@@ -148,8 +148,7 @@ static rsv_rgb gather_one(
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
         return rgb_mul(entered, radiance_beyond(job, direction, 0));
-    rsv_specular_path first =
-        rsv_specular_begin(scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first = rsv_specular_begin(scene, &r->medium, direction, hit);
     rsv_specular_set_spread(&first, 0, hit.t);
     first.weight = rgb_mul(first.weight, entered);
     rsv_gather gather = rsv_specular_gather(scene, first, random, counts, job);

@@ -104,6 +104,14 @@ void rsv_context_cancel(rsv_context *context)
     atomic_store_explicit(&context->cancelled, true, memory_order_relaxed);
 }
 
+rsv_status rsv_context_reset_cancel(rsv_context *context)
+{
+    if (rsv_team_of(context))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "a team that was cancelled cannot go on; create another");
+    atomic_store_explicit(&context->cancelled, false, memory_order_relaxed);
+    return RSV_OK;
+}
+
 const char *rsv_last_error(void) { return last_error; }
 
 const char *rsv_version(void) { return RSV_VERSION_STRING; }

@@ -34,6 +34,11 @@ static bool has_row(const rsv_scatter_sources *s, uint32_t node)
     return s->elements->node_hanging[node] == RSV_NONE && rsv_scatter_body_of(s, node) != RSV_NONE;
 }
 
+bool rsv_subsurface_has_row(const rsv_subsurface *p, uint32_t node)
+{
+    return has_row(p->sources, node);
+}
+
 static rsv_status gather_block(
     rsv_subsurface *p, size_t index, rsv_scatter_row *row, row_block *block)
 {

@@ -29,6 +29,9 @@ void rsv_subsurface_destroy(rsv_subsurface *subsurface);
 rsv_status rsv_subsurface_restore(
     const rsv_elements *elements, const rsv_subsurface *rows, rsv_subsurface **subsurface);
 
+/// Whether a node lies on a body and does not hang. At others light leaves where it enters.
+bool rsv_subsurface_has_row(const rsv_subsurface *subsurface, uint32_t node);
+
 size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
 /// Memory of its rows. @param subsurface NULL = 0
 size_t rsv_subsurface_bytes(const rsv_subsurface *subsurface);

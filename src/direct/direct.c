@@ -101,22 +101,22 @@ static rsv_direct_estimate estimate(const rsv_direct_job *job, uint32_t node)
 
 /// Lists this process's nodes that receive light and are not known; the others of its own get none.
 /// @param list [node_count] @return how many
-static size_t list_nodes(const rsv_direct_job *job, const uint8_t *known, uint32_t *list,
-    rsv_rgb *irradiance, float *deviation)
+static size_t list_nodes(
+    const rsv_direct_job *job, const uint8_t *known, uint32_t *list, rsv_direct_light *light)
 {
     rsv_team_place place = rsv_team_place_of(job->elements->context);
     size_t count = 0;
     for (size_t node = 0; node < job->elements->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
-        irradiance[node] = rgb_gray(0);
-        if (deviation) deviation[node] = 0;
+        light->irradiance[node] = rgb_gray(0);
+        if (light->deviation) light->deviation[node] = 0;
         if (job->valid_points[node]) list[count++] = (uint32_t)node;
     }
     return count;
 }
 
-static uint64_t estimate_nodes(const rsv_direct_job *job, const uint32_t *node, size_t count,
-    rsv_rgb *irradiance, float *deviation)
+static void estimate_nodes(
+    const rsv_direct_job *job, const uint32_t *node, size_t count, rsv_direct_light *light)
 {
     rsv_context *context = job->elements->context;
     uint64_t traced = 0;
@@ -126,36 +126,32 @@ static uint64_t estimate_nodes(const rsv_direct_job *job, const uint32_t *node, 
         if (rsv_cancelled(context)) continue;
         rsv_direct_estimate e = estimate(job, node[k]);
         traced += e.rays;
-        irradiance[node[k]] = e.irradiance;
-        if (deviation) deviation[node[k]] = e.deviation;
+        light->irradiance[node[k]] = e.irradiance;
+        if (light->deviation) light->deviation[node[k]] = e.deviation;
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
                 fmin((double)(done * (size_t)rsv_threads(context)) / (double)count, 1));
     }
-    return traced;
+    light->rays += traced;
 }
 
-rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_elements *elements, uint32_t points, uint32_t samples, uint32_t seed,
-    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, float *deviation,
-    uint64_t *rays)
+rsv_status rsv_direct_irradiance(
+    const rsv_direct_job *job, const uint8_t *known, rsv_direct_light *light)
 {
     rsv_status status = RSV_OK;
-    rsv_context *context = elements->context;
-    const rsv_direct_job job = { scene, elements, { lights, scene->bsdf, points, seed }, samples,
-        valid_points };
-    uint64_t traced = 0;
-    size_t done;
-    uint32_t *list = rsv_alloc(context, elements->node_count, sizeof *list);
+    rsv_context *context = job->elements->context;
+    size_t nodes = job->elements->node_count, done;
+    rsv_direct_light own = { light->irradiance, light->deviation, 0 };
+    uint32_t *list = rsv_alloc(context, nodes, sizeof *list);
     if (!list) return RSV_ERROR_MEMORY;
-    size_t count = list_nodes(&job, known, list, irradiance, deviation);
-    RSV_TRY(rsv_direct_by_device(&job, list, count, irradiance, deviation, &traced, &done));
-    traced += estimate_nodes(&job, list + done, count - done, irradiance, deviation);
-    *rays += rsv_team_total(context, traced);
-    rsv_team_merge(context, irradiance, sizeof *irradiance, elements->node_count, RSV_TEAM_BLOCK);
-    if (deviation)
-        rsv_team_merge(context, deviation, sizeof *deviation, elements->node_count, RSV_TEAM_BLOCK);
-    rsv_elements_constrain(elements, irradiance);
+    size_t count = list_nodes(job, known, list, &own);
+    RSV_TRY(rsv_direct_by_device(job, list, count, &own, &done));
+    estimate_nodes(job, list + done, count - done, &own);
+    light->rays += rsv_team_total(context, own.rays);
+    rsv_team_merge(context, own.irradiance, sizeof *own.irradiance, nodes, RSV_TEAM_BLOCK);
+    if (own.deviation)
+        rsv_team_merge(context, own.deviation, sizeof *own.deviation, nodes, RSV_TEAM_BLOCK);
+    rsv_elements_constrain(job->elements, own.irradiance);
     status = rsv_progress(context, "direct", 1);
 cleanup:
     rsv_free(context, list);

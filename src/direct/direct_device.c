@@ -2,9 +2,7 @@
 
 #include "../core/team.h"
 #include "../trace/hierarchy.h"
-
-/// Enough for any device.
-#define NODES_AT_A_TIME ((size_t)1 << 14)
+#include "direct_constants.h"
 
 typedef struct direct_device {
     rsv_context *context;
@@ -96,22 +94,22 @@ static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count,
 }
 
 /// Notes the estimates of some nodes. @return how many are to be looked at again
-static size_t take(direct_device *d, const uint32_t *node, size_t count, bool preview,
-    rsv_rgb *irradiance, float *deviation, uint64_t *rays)
+static size_t take(
+    direct_device *d, const uint32_t *node, size_t count, bool preview, rsv_direct_light *light)
 {
     size_t again = 0;
     for (size_t k = 0; k < count; k++) {
         const rsv_direct_estimate *e = &d->estimate[k];
-        *rays += e->rays;
-        irradiance[node[k]] = e->irradiance;
-        if (deviation) deviation[node[k]] = e->deviation;
+        light->rays += e->rays;
+        light->irradiance[node[k]] = e->irradiance;
+        if (light->deviation) light->deviation[node[k]] = e->deviation;
         if (preview && e->partial) d->again[again++] = node[k];
     }
     return again;
 }
 
 rsv_status rsv_direct_by_device(const rsv_direct_job *job, const uint32_t *node, size_t count,
-    rsv_rgb *irradiance, float *deviation, uint64_t *rays, size_t *done)
+    rsv_direct_light *light, size_t *done)
 {
     rsv_status status = RSV_OK;
     direct_device d = { .context = job->elements->context, .job = job };
@@ -123,10 +121,10 @@ rsv_status rsv_direct_by_device(const rsv_direct_job *job, const uint32_t *node,
         size_t part = count - *done < d.most ? count - *done : d.most;
         RSV_TRY(estimate(&d, node + *done, part, previews));
         if (!d.direct) break;
-        size_t again = take(&d, node + *done, part, previews, irradiance, deviation, rays);
+        size_t again = take(&d, node + *done, part, previews, light);
         if (again) RSV_TRY(estimate(&d, d.again, again, false));
         if (!d.direct) break;
-        take(&d, d.again, again, false, irradiance, deviation, rays);
+        take(&d, d.again, again, false, light);
         *done += part;
         RSV_TRY(rsv_progress(d.context, "direct", (double)*done / (double)count));
     }

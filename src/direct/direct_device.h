@@ -6,10 +6,9 @@
 #include "direct_receiver.h"
 
 /// Estimates nodes in order, as long as there is a device that can. @param node [count] with valid points
-/// @param irradiance [node_count] @param deviation [node_count] or NULL
 /// @param done out: how many of them; the others are left to the caller, as is what they need
 /// @return the device's failure, unless it is optional
 rsv_status rsv_direct_by_device(const rsv_direct_job *job, const uint32_t *node, size_t count,
-    rsv_rgb *irradiance, float *deviation, uint64_t *rays, size_t *done);
+    rsv_direct_light *light, size_t *done);
 
 #endif

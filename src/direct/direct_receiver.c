@@ -1,7 +1,6 @@
 #include "direct_receiver.h"
 
-/// Points that are looked at first where `samples` is less than RSV_DIRECT_LANES.
-#define PREVIEW_POINTS 4
+#include "direct_constants.h"
 
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *r)

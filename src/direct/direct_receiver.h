@@ -12,9 +12,20 @@ typedef struct rsv_direct_job {
     const rsv_transport_scene *scene;
     const rsv_elements *elements;
     rsv_direct_setting setting;
-    uint32_t samples;             ///< of a node
-    const uint16_t *valid_points; ///< [node_count]
+    /// Shadow rays per node to emitters, a multiple of 16; punctual lights get one per point. Less than 16: a preview from
+    /// four points, and 16 rays where these see not the same.
+    uint32_t samples;
+    const uint16_t
+        *valid_points; ///< [node_count] from rsv_find_buried with the setting's points and seed
 } rsv_direct_job;
+
+/// What a pass finds.
+typedef struct rsv_direct_light {
+    rsv_rgb *irradiance; ///< [node_count]
+    float *
+        deviation; ///< [node_count] standard deviation of the luminance of each estimate, itself estimated; NULL = not wanted
+    uint64_t rays;
+} rsv_direct_light;
 
 /// Edge of the patch over which a node's points average a normal map: finer ones must not show as noise from node to node.
 static inline float rsv_direct_width(const rsv_elements *e, uint32_t node)

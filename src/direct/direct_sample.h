@@ -13,7 +13,7 @@
 typedef struct rsv_direct_setting {
     const rsv_lights *lights;
     const rsv_bsdf *bsdf; ///< [material_count]
-    uint32_t points;      ///< of a node
+    uint32_t points;      ///< of a node, 4 or 16
     uint32_t seed;
 } rsv_direct_setting;
 

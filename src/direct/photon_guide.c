@@ -2,13 +2,7 @@
 
 #include "../core/sampling.h"
 #include "../core/vec.h"
-
-#define GUIDED_SHARE 0.6f
-#define EVEN_SHARE                                                                                 \
-    0.3f ///< to all bins alike: their pilot rays are few. The rest goes as the source would by itself
-#define OUTSIDE                                                                                    \
-    0.01f            ///< part of what is useful that may be left beyond each side of the finer bins
-#define OUTER_BINS 4 ///< lines kept there
+#include "direct_constants.h"
 
 /// Cumulative sums of a row or column of weights, normalised; returns the sum.
 static float accumulate(const float *weight, float *cdf, int count)

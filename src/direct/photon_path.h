@@ -49,7 +49,7 @@ RSV_INLINE bool rsv_photon_arrive(
     rsv_ray ray = { e->origin, e->direction, INFINITY };
     rsv_hit hit;
     if (!rsv_ray_meets(scene->tracer, &ray, &hit)) return false;
-    *path = rsv_specular_begin(scene, e->medium, e->direction, hit.triangle, hit.u, hit.v, hit.t);
+    *path = rsv_specular_begin(scene, e->medium, e->direction, hit);
     return rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)]);
 }
 

@@ -1,15 +1,10 @@
 #include "photons.h"
 
 #include "../core/team.h"
+#include "direct_constants.h"
 #include "shooting_device.h"
 
 #include <string.h>
-
-#define PHOTONS_PER_CHUNK 4096
-/// The strongest origins have a guide each; all others share one.
-#define OWN_GUIDES 63
-/// Rounds of pilot rays, each on bins that are finer where the last ones found something.
-#define MOST_PILOTS 4
 
 typedef struct rsv_photon_shooter {
     const rsv_transport_scene *scene;
@@ -236,40 +231,40 @@ rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights 
 
 typedef struct map_set {
     const rsv_transport_scene *scene;
-    rsv_photon_map *map;
-    size_t count;
+    const rsv_photon_targets *targets;
 } map_set;
 
 static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
 {
     const map_set *maps = user;
-    rsv_photon_land(maps->scene, path, flux, maps->map, maps->count);
+    rsv_photon_land(maps->scene, path, flux, maps->targets->map, maps->targets->count);
 }
 
 rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
-    const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count, uint64_t *rays)
+    const rsv_photon_targets *targets, uint64_t *rays)
 {
     rsv_status status = RSV_OK;
-    map_set set = { shooter->scene, maps, map_count };
+    rsv_photon_map *maps = targets->map;
+    map_set set = { shooter->scene, targets };
     const rsv_photon_sink sink = { &set, deposit, NULL, NULL };
     photon_job job = *shooter;
     job.sink = &sink;
-    memset(maps, 0, map_count * sizeof *maps);
-    for (size_t m = 0; m < map_count; m++)
-        RSV_TRY(rsv_photon_map_create(
-            job.lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
+    memset(maps, 0, targets->count * sizeof *maps);
+    for (size_t m = 0; m < targets->count; m++)
+        RSV_TRY(rsv_photon_map_create(job.lights->context, targets->elements[m],
+            fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
     const rsv_device_shooting_desc deal = { .shooting = job.shooting,
         .lights = job.lights,
         .source = job.source,
         .source_count = job.source_count,
         .map = maps,
-        .map_count = map_count };
+        .map_count = targets->count };
     bool done;
     RSV_TRY(rsv_photons_by_device(&deal, count, rays, &done));
-    for (size_t m = 0; !done && m < map_count; m++)
+    for (size_t m = 0; !done && m < targets->count; m++)
         rsv_photon_map_clear(&maps[m]); // of what a device brought before it failed
     if (!done) RSV_TRY(shoot_all(&job, count, rays));
-    for (size_t m = 0; m < map_count; m++) {
+    for (size_t m = 0; m < targets->count; m++) {
         rsv_photon_map_unite(&maps[m]);
         rsv_photon_map_settle(&maps[m]);
     }
@@ -278,14 +273,12 @@ cleanup:
 }
 
 rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
-    size_t map_count, uint64_t *rays)
+    uint32_t count, uint32_t seed, const rsv_photon_targets *targets, uint64_t *rays)
 {
     rsv_photon_shooter *shooter = NULL;
-    memset(maps, 0, map_count * sizeof *maps);
+    memset(targets->map, 0, targets->count * sizeof *targets->map);
     rsv_status status = rsv_photon_shooter_create(scene, lights, seed, NULL, &shooter, rays);
-    if (status == RSV_OK)
-        status = rsv_photons_deposit(shooter, count, elements, maps, map_count, rays);
+    if (status == RSV_OK) status = rsv_photons_deposit(shooter, count, targets, rays);
     rsv_photon_shooter_destroy(shooter);
     return status;
 }

@@ -42,14 +42,19 @@ void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter);
 rsv_status rsv_photons_send(const rsv_photon_shooter *shooter, uint32_t count, uint32_t seed,
     const rsv_photon_sink *sink, uint64_t *rays);
 
-/// Shoots `count` light paths and deposits them on `map_count` sets of elements at once.
-/// @param maps out; to be destroyed by the caller, even after an error
+/// Sets of elements that photons are deposited on at once.
+typedef struct rsv_photon_targets {
+    const rsv_elements *const *elements; ///< [count]
+    rsv_photon_map *map; ///< [count] out; to be destroyed by the caller, even after an error
+    size_t count;
+} rsv_photon_targets;
+
+/// Shoots `count` light paths and deposits them.
 rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
-    const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count, uint64_t *rays);
+    const rsv_photon_targets *targets, uint64_t *rays);
 
 /// The same with a shooter of its own.
 rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
-    size_t map_count, uint64_t *rays);
+    uint32_t count, uint32_t seed, const rsv_photon_targets *targets, uint64_t *rays);
 
 #endif

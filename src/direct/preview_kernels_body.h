@@ -27,13 +27,12 @@ static inline float angle_over_sine(float s, float sine)
 }
 
 /// Twice one edge's term of Lambert's formula, from unit vectors to its ends.
-static inline float edge_term(
-    float ax, float ay, float az, float bx, float by, float bz, float nx, float ny, float nz)
+static inline float edge_term(rsv_vec3 a, rsv_vec3 b, rsv_vec3 n)
 {
-    float cx = bx - ax, cy = by - ay, cz = bz - az;
+    float cx = b.x - a.x, cy = b.y - a.y, cz = b.z - a.z;
     float s = f_min(0.25f * (cx * cx + cy * cy + cz * cz), 1);
-    float vx = ay * cz - az * cy, vy = az * cx - ax * cz, vz = ax * cy - ay * cx;
-    float across = nx * vx + ny * vy + nz * vz;
+    float vx = a.y * cz - a.z * cy, vy = a.z * cx - a.x * cz, vz = a.x * cy - a.y * cx;
+    float across = n.x * vx + n.y * vy + n.z * vz;
     return angle_over_sine(s, sqrtf(vx * vx + vy * vy + vz * vz)) * across;
 }
 
@@ -77,17 +76,23 @@ static inline void add_edge(const rsv_receiver_block *restrict block, const lane
     const lanes3 *restrict b, float *restrict sum)
 {
     for (int k = 0; k < LANES; k++)
-        sum[k] += edge_term(a->x[k], a->y[k], a->z[k], b->x[k], b->y[k], b->z[k],
-            block->normal_x[k], block->normal_y[k], block->normal_z[k]);
+        sum[k] += edge_term(v3(a->x[k], a->y[k], a->z[k]), v3(b->x[k], b->y[k], b->z[k]),
+            v3(block->normal_x[k], block->normal_y[k], block->normal_z[k]));
 }
 
-/// Adds the part of an edge that is above the horizon. Where it crosses, `leave` takes the unit vector of the place if it
-/// goes down there, `enter` if it rises.
+/// Unit vectors to the places where a polygon's outline crosses the horizon.
+typedef struct horizon_crossings {
+    lanes3 leave; ///< goes down
+    lanes3 enter; ///< rises
+} horizon_crossings;
+
+/// Adds the part of an edge that is above the horizon, and notes where it crosses.
 static inline void add_part(const rsv_receiver_block *restrict block,
-    const polygon_view *restrict v, int from, int to, lanes3 *restrict leave,
-    lanes3 *restrict enter, float *restrict sum)
+    const polygon_view *restrict v, int from, int to, horizon_crossings *restrict crossings,
+    float *restrict sum)
 {
     const lanes3 *restrict a = &v->corner[from], *restrict b = &v->corner[to];
+    lanes3 *leave = &crossings->leave, *enter = &crossings->enter;
     for (int k = 0; k < LANES; k++) {
         float nx = block->normal_x[k], ny = block->normal_y[k], nz = block->normal_z[k];
         float above_a = nx * a->x[k] + ny * a->y[k] + nz * a->z[k];
@@ -105,8 +110,9 @@ static inline void add_part(const rsv_receiver_block *restrict block,
         enter->x[k] = enters ? cx : enter->x[k];
         enter->y[k] = enters ? cy : enter->y[k];
         enter->z[k] = enters ? cz : enter->z[k];
-        float term = edge_term(in_a ? a->x[k] : cx, in_a ? a->y[k] : cy, in_a ? a->z[k] : cz,
-            in_b ? b->x[k] : cx, in_b ? b->y[k] : cy, in_b ? b->z[k] : cz, nx, ny, nz);
+        rsv_vec3 first = v3(in_a ? a->x[k] : cx, in_a ? a->y[k] : cy, in_a ? a->z[k] : cz);
+        rsv_vec3 last = v3(in_b ? b->x[k] : cx, in_b ? b->y[k] : cy, in_b ? b->z[k] : cz);
+        float term = edge_term(first, last, v3(nx, ny, nz));
         sum[k] += (in_a | in_b) ? term : 0;
     }
 }
@@ -114,11 +120,11 @@ static inline void add_part(const rsv_receiver_block *restrict block,
 static void sum_clipped(const rsv_receiver_block *restrict block, const polygon_view *restrict view,
     float *restrict sum)
 {
-    lanes3 leave = { { 0 }, { 0 }, { 0 } }, enter = leave;
+    horizon_crossings crossings = { 0 };
     for (int i = 0; i < 3; i++)
-        add_part(block, view, i, i < 2 ? i + 1 : 0, &leave, &enter, sum);
-    add_edge(
-        block, &leave, &enter, sum); // along the horizon, back to where the polygon rises again
+        add_part(block, view, i, i < 2 ? i + 1 : 0, &crossings, sum);
+    add_edge(block, &crossings.leave, &crossings.enter,
+        sum); // along the horizon, back to where the polygon rises again
 }
 
 static void find_irradiance(const rsv_receiver_block *restrict block,

@@ -174,7 +174,7 @@ static bool any_coated(const rsv_transport_scene *scene)
 }
 
 rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
-    const rsv_elements *elements, uint32_t points, uint32_t seed, const uint16_t *valid_points,
+    const rsv_elements *elements, rsv_support_draw draw, const uint16_t *valid_points,
     const bool *moves, rsv_receiver_blocks **blocks)
 {
     rsv_status status;
@@ -182,7 +182,7 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     rsv_receiver_blocks *b = rsv_alloc(context, 1, sizeof *b);
     if (!b) return RSV_ERROR_MEMORY;
     *b = (rsv_receiver_blocks){ .context = context, .scene = scene, .elements = elements };
-    builder w = { .b = b, .points = points, .seed = seed, .valid_points = valid_points };
+    builder w = { .b = b, .points = draw.points, .seed = draw.seed, .valid_points = valid_points };
     b->held = rsv_alloc(context, elements->node_count, sizeof *b->held);
     RSV_TRY(b->held ? RSV_OK : RSV_ERROR_MEMORY);
     measure_scene(&w);

@@ -2,7 +2,7 @@
 #ifndef RSV_RECEIVER_BLOCKS_H
 #define RSV_RECEIVER_BLOCKS_H
 
-#include "../elements/elements.h"
+#include "../elements/burial.h"
 #include "../sources/lights.h"
 #include "../specular/specular_path.h"
 
@@ -40,10 +40,10 @@ typedef struct rsv_receiver_blocks {
 } rsv_receiver_blocks;
 
 /// @param scene, elements borrowed
-/// @param points, seed, valid_points as for rsv_direct_irradiance: the first RSV_BLOCK_POINTS valid ones are taken
+/// @param draw, valid_points of rsv_find_buried: the first RSV_BLOCK_POINTS valid ones are taken
 /// @param moves [material_count] surfaces that move are in no block, nor is what lies in absorbing bodies
 rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
-    const rsv_elements *elements, uint32_t points, uint32_t seed, const uint16_t *valid_points,
+    const rsv_elements *elements, rsv_support_draw draw, const uint16_t *valid_points,
     const bool *moves, rsv_receiver_blocks **blocks);
 void rsv_receiver_blocks_destroy(rsv_receiver_blocks *blocks);
 

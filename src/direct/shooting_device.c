@@ -2,9 +2,7 @@
 
 #include "../core/team.h"
 #include "../trace/hierarchy.h"
-
-/// Photons between two looks at the clock.
-#define PHOTONS_AT_A_TIME ((uint32_t)1 << 22)
+#include "direct_constants.h"
 
 static bool can_do(const rsv_device_shooting_desc *deal)
 {

@@ -7,20 +7,9 @@
 #include "../elements/open_corners.h"
 #include "../update/kept_light.h"
 #include "../update/update.h"
+#include "direct_constants.h"
 
 #include <string.h>
-
-/// Caustics have sharper edges than shadows: they may split cells this many times more.
-#define CAUSTIC_LEVELS 2
-/// Cells are split where irradiance bends by more than this share of the local level.
-#define BEND 0.1f
-/// Below this share of the scene's mean irradiance, a bend is invisible.
-#define DARK 0.05f
-/// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
-/// not all: the rim of a caustic is dark on one side.)
-#define PHOTONS_TO_SPLIT 24.0f
-/// Cells are at most so much larger than the spacing, but in the open.
-#define OPEN_TOLERANCE 1.5f
 
 typedef struct level_builder {
     const rsv_transport_scene *scene;
@@ -99,8 +88,8 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
         RSV_LEVEL_POINTS, b->known, b->lit };
     if (b->kept)
         RSV_TRY(rsv_kept_light_nodes(b->kept, e, &fields, b->complete ? &b->kept_count : NULL));
-    RSV_TRY(rsv_find_buried(
-        b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
+    RSV_TRY(rsv_find_buried(b->scene, e, (rsv_support_draw){ RSV_LEVEL_POINTS, b->desc->seed },
+        b->known, b->valid_points, b->rays));
     RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
 cleanup:
     return status;
@@ -110,8 +99,14 @@ cleanup:
 /// depend on its own samples: stopping early where all of them see the light would be biased.)
 static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
 {
-    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RSV_LEVEL_POINTS,
-        samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
+    const rsv_direct_job job = { .scene = b->scene,
+        .elements = b->elements,
+        .setting = { b->lights, b->scene->bsdf, RSV_LEVEL_POINTS, b->desc->seed },
+        .samples = samples,
+        .valid_points = b->valid_points };
+    rsv_direct_light light = { b->direct, b->deviation, 0 };
+    rsv_status status = rsv_direct_irradiance(&job, known, &light);
+    *b->rays += light.rays;
     rsv_mark_buried(b->elements, b->valid_points, b->deviation);
     return status;
 }
@@ -164,7 +159,8 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status = rsv_photons_deposit(b->shooter, count, targets, b->map, 2, b->rays);
+    rsv_status status = rsv_photons_deposit(
+        b->shooter, count, &(rsv_photon_targets){ targets, b->map, 2 }, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }

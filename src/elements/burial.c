@@ -4,17 +4,17 @@
 #include "open_corners.h"
 
 uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
-    uint32_t index, uint32_t points, uint32_t seed, uint64_t *rays)
+    uint32_t index, rsv_support_draw draw, uint64_t *rays)
 {
     rsv_support_point sample[16];
-    rsv_elements_sample_support_as(e, node, index, points, seed, sample);
+    rsv_elements_sample_support_as(e, node, index, draw.points, draw.seed, sample);
     uint16_t valid = 0;
     uint32_t last = RSV_NONE; // points of one cell come one after the other
     bool open = false;
     uint8_t openness = 0;
     rsv_cell_shape shape;
     rsv_vec3 outlook = { 0 };
-    for (uint32_t k = 0; k < points; k++) {
+    for (uint32_t k = 0; k < draw.points; k++) {
         uint32_t support = sample[k].support, cell = support / 4, face = e->cell[cell].face;
         if (support != last) {
             shape = rsv_cell_shape_of(e, cell);
@@ -32,19 +32,18 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
     return valid;
 }
 
-rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t points,
-    uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays)
+rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e,
+    rsv_support_draw draw, const uint8_t *known, uint16_t *valid_points, uint64_t *rays)
 {
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
-        valid_points[node] =
-            e->node_hanging[node] == RSV_NONE
-                ? rsv_judge_points(scene, e, (uint32_t)node,
-                      rsv_elements_draw_of(e, (uint32_t)node), points, seed, &traced)
-                : 0;
+        valid_points[node] = e->node_hanging[node] == RSV_NONE
+                                 ? rsv_judge_points(scene, e, (uint32_t)node,
+                                       rsv_elements_draw_of(e, (uint32_t)node), draw, &traced)
+                                 : 0;
     }
     *rays += rsv_team_total(e->context, traced);
     rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count, RSV_TEAM_BLOCK);

@@ -5,19 +5,24 @@
 #include "../specular/specular_path.h"
 #include "elements.h"
 
+/// Receiver points that are drawn on the supports of nodes, as by rsv_elements_sample_support.
+typedef struct rsv_support_draw {
+    uint32_t points; ///< per node, at most 16
+    uint32_t seed;
+} rsv_support_draw;
+
 /// Judges the receiver points of every free node. A point counts if it is seen from its node, or, where that is buried,
 /// from another corner of the point's cell that lies in the open (open_corners.h), and if nothing lies right upon it:
 /// otherwise it is inside other geometry, or on the far side of a wall. So a node in a wall stands for the surface up to
 /// that wall.
-/// @param points per node, at most 16; the same points as rsv_elements_sample_support draws
 /// @param known [node_count] non-zero = valid_points of this node stand already; NULL = none
 /// @param valid_points [node_count], out: bit k = point k counts; 0 = all around the node is buried (or it hangs)
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
-    uint32_t points, uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays);
+    rsv_support_draw draw, const uint8_t *known, uint16_t *valid_points, uint64_t *rays);
 
 /// The points of one node, bit by bit, with the random numbers of the node of another index.
 uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *elements,
-    uint32_t node, uint32_t index, uint32_t points, uint32_t seed, uint64_t *rays);
+    uint32_t node, uint32_t index, rsv_support_draw draw, uint64_t *rays);
 
 /// Lets every cell do without its buried corners: they take the value of a corner of the same cell that
 /// is not buried, so that light does not fade to black where something stands on a surface, and does not

@@ -129,7 +129,7 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_spec
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    *path = rsv_specular_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    *path = rsv_specular_begin(scene, NULL, ray->direction, hit);
     bool opaque = !bsdf->double_sided && is_opaque(scene, &hit);
     if (rsv_twins_meet(scene->view, ray->direction, hit)) return SIGHT_BOTH;
     return path->back && opaque ? SIGHT_BACK : SIGHT_FRONT;

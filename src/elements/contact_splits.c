@@ -22,7 +22,7 @@ static float finest_size(
         // Next to what stands upon a cell light is wrong by as much whatever the size, on an area that shrinks with it:
         // with the square of the sizes that smooth light wants. Through a wall it may be wrong by any number of times.
         float larger = through ? 1 : growth->at(growth->user, e, cell);
-        return GROWTH_TOLERANCE * larger * larger * ldexpf(e->spacing, -(int)levels);
+        return RSV_GROWTH_TOLERANCE * larger * larger * ldexpf(e->spacing, -(int)levels);
     }
     if (splits >= levels) return INFINITY;
     float least = (through ? THIN_WALL_SIZE : CONTACT_SIZE) * e->spacing;
@@ -50,7 +50,7 @@ static double nodes_for(const rsv_elements *e, const float *finest, float least)
             size /= 2;
         }
     }
-    return NODES_PER_SPLIT * cells;
+    return RSV_NODES_PER_SPLIT * cells;
 }
 
 /// The splits that are affordable: those of all cells larger than `least`, and a share of those a step below it.

@@ -30,6 +30,20 @@ void rsv_elements_place_node(
     *v = place.v;
 }
 
+rsv_surface_point rsv_elements_node_point(
+    const rsv_scene_view *scene, const rsv_elements *e, uint32_t node)
+{
+    uint32_t face = e->node_face[node];
+    float u = 1.0f / 3, v = u; // of one that buried neighbours left without a cell
+    if (e->support_begin[node] < e->support_begin[node + 1]) {
+        uint32_t support = e->support[e->support_begin[node]];
+        const rsv_cell *cell = &e->cell[support / 4];
+        face = cell->face;
+        rsv_cell_corner(cell, (int)(support & 3), &u, &v);
+    }
+    return rsv_surface_point_at(scene, e->face_triangle[face], u, v, e->face_back[face]);
+}
+
 /// Goes through the cells around a node, and then through those around each node that follows it.
 typedef struct support_walk {
     const rsv_elements *elements;
@@ -193,7 +207,7 @@ void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
 {
     // leaders are free, so that followers do not wait for each other
 #pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(e->context)) if (e->follower_count > PARALLEL_NODES)
+    num_threads(rsv_threads(e->context)) if (e->follower_count > RSV_PARALLEL_NODES)
     for (size_t h = 0; h < e->follower_count; h++)
         constrain_node(&e->hanging[h], value);
     for (size_t h = e->follower_count; h < e->hanging_count; h++)

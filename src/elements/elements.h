@@ -15,6 +15,13 @@
 #include "../core/triangle_grid.h"
 #include "../surface/entry.h"
 
+/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
+#define RSV_NODES_PER_SPLIT 2
+/// Splits halve cells: a goal's end up at most this much larger than wanted.
+#define RSV_GROWTH_TOLERANCE 1.4f
+/// Nodes below which waking the threads takes longer than the work.
+#define RSV_PARALLEL_NODES 16384
+
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
 
 /// A triangle of the subdivision in barycentric lattice coordinates (i, j) of its level: an upright cell
@@ -197,6 +204,10 @@ RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)
 /// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.
 void rsv_elements_place_node(
     const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
+
+/// Where a node is. @param scene the elements' own or a variant of it
+rsv_surface_point rsv_elements_node_point(
+    const rsv_scene_view *scene, const rsv_elements *elements, uint32_t node);
 
 /// The cell of coarser elements of the same faces in which a cell lies.
 uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);

@@ -1,4 +1,5 @@
-/// What the room tunes by, with what was measured of it. The rest is chosen, not measured.
+/// What the room tunes by, with what was measured of it. The rest is chosen, not measured. What
+/// other rooms read too stands in elements.h.
 #ifndef RSV_ELEMENTS_CONSTANTS_H
 #define RSV_ELEMENTS_CONSTANTS_H
 
@@ -32,8 +33,6 @@
 /// count as open. Up to about there, light that ends at once, but in the wrong place, is less wrong than light that fades
 /// all over the cell.
 #define FAR_CORNER 0.5f
-/// Cells larger than so many spacings, as those of a goal and those out in the open are.
-#define LARGE 1.4f
 
 // ---- Where surfaces touch (contact.c, contact_splits.c, weld.c) --------------------------------------
 
@@ -54,10 +53,6 @@
 #define THIN_WALL_LEVELS 4
 /// Smaller ones, as parts of the spacing, are left alone there.
 #define THIN_WALL_SIZE 0.03f
-/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
-#define NODES_PER_SPLIT 2
-/// A goal's cells are split until they are at most this much larger than wanted: a split halves them.
-#define GROWTH_TOLERANCE 1.4f
 /// Steps of the size down to which all may be split, where not all fit.
 #define SIZE_STEP 1.2f
 
@@ -102,8 +97,6 @@
 
 // ---- Threads (element_field.c, element_nodes.c) ------------------------------------------------------
 
-/// Nodes below which waking the threads takes longer than the work.
-#define PARALLEL_NODES 16384
 /// Cells that a thread takes at a time.
 #define CELLS_AT_A_TIME 4096
 

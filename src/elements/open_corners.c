@@ -96,7 +96,7 @@ static uint8_t judge_cell(
     bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
     bool cut = find_blocked_sides(scene, at.place, blocked, rays) || any != all;
     // something may stand on the middle of a large cell alone
-    bool uncertain = cut || all || shape->size > LARGE * shape->spacing,
+    bool uncertain = cut || all || shape->size > RSV_GROWTH_TOLERANCE * shape->spacing,
          middle_covered = uncertain && rsv_is_covered(scene, shape, shape->centre);
     cut = cut || (middle_covered && !all);
     uint8_t sheltered = all && middle_covered ? judge_sheltered(scene, shape, rays) : 0;

@@ -165,8 +165,8 @@ static void follow_whole(const tile *t, uint32_t pixel, uint32_t stage, uint32_t
     rsv_specular_light *light = &w->queue.light;
     const rsv_ray_packet *p = &w->packet[stage];
     rsv_specular_path path = rsv_specular_begin(light->scene, &t->eye->medium,
-        v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]), p->triangle[lane],
-        p->u[lane], p->v[lane], p->t_max[lane]);
+        v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]),
+        rsv_packet_hit(p, lane));
     path.back = rsv_packet_meets_back(p, lane);
     rsv_specular_set_spread(&path, t->eye->spread, p->t_max[lane]);
     rsv_resting_paths *whole = w->whole;
@@ -211,7 +211,7 @@ static void look_up_block(const tile *t, uint32_t block)
         for (int k = 0; k < RSV_LANES; k++)
             width[k] = t->eye->spread * w->packet[stage].t_max[k];
         t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage], width,
-            w->glossy[stage], w->radiance + first, first, &w->gloss);
+            w->glossy[stage], w->radiance + first, (rsv_glossy_block){ &w->gloss, first });
     }
     if (t->tiling->mover) show_mover(t, column, row, stage);
     if (w->begins[stage]) begin_paths(t, column, row, stage);

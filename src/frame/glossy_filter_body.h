@@ -4,19 +4,18 @@
 // ---- what tiles bring ---------------------------------------------------------------------------
 
 static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim *restrict aim,
-    uint32_t column, uint32_t row, uint32_t line, const rsv_glossy_cells *cells,
-    int *restrict speaker)
+    rsv_cell_row row, const rsv_glossy_cells *cells, int *restrict speaker)
 {
     const rsv_lens *lens = &aim->lens;
     const rsv_camera *c = &lens->camera;
     const rsv_glossy_geometry g = cells->now;
     bool orthographic = c->vertical_fov == 0;
-    size_t at = cells->first + (size_t)(row / 2 + line) * cells->stride + column / 2;
+    size_t at = cells->first + (size_t)(row.row / 2 + row.line) * cells->stride + row.column / 2;
     for (int k = 0; k < LANES; k++)
         speaker[k] = -1;
     for (uint32_t n = 4; n-- > 0;) { // the first choice comes last
         uint32_t corner = rsv_glossy_speaker(cells->frame, n);
-        const float *depth = tile->depth + (2 * line + corner / 2) * RSV_TILE + corner % 2;
+        const float *depth = tile->depth + (2 * row.line + corner / 2) * RSV_TILE + corner % 2;
         int place = (int)(depth - tile->depth);
         for (int k = 0; k < LANES; k++)
             speaker[k] = depth[2 * k] > 0 ? place + 2 * k : speaker[k];
@@ -24,7 +23,7 @@ static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim
     for (int k = 0; k < LANES; k++) {
         int pixel = speaker[k] < 0 ? 0 : speaker[k];
         float depth = speaker[k] < 0 ? 0 : tile->depth[pixel];
-        int i = (int)column + pixel % RSV_TILE, j = (int)row + pixel / RSV_TILE;
+        int i = (int)row.column + pixel % RSV_TILE, j = (int)row.row + pixel / RSV_TILE;
         float across = ((float)i + aim->place_x - lens->half_width) * lens->pixel_size;
         float upwards = (lens->half_height - ((float)j + aim->place_y)) * lens->pixel_size;
         float x = c->right.x * across + upwards * c->up.x;
@@ -166,9 +165,14 @@ static inline void add_fresh(const rsv_glossy_cells *cells, size_t at, const cel
 
 // ---- frames before ------------------------------------------------------------------------------
 
-/// Where points lie in a picture, in pixels; far outside for those behind the camera.
+/// Places in a picture, in pixels.
+typedef struct picture_lanes {
+    float x[LANES], y[LANES];
+} __attribute__((aligned(64))) picture_lanes;
+
+/// Where points lie in a picture; far outside for those behind the camera.
 static inline void project(const rsv_lens *lens, const float *restrict px, const float *restrict py,
-    const float *restrict pz, float *restrict across, float *restrict down)
+    const float *restrict pz, picture_lanes *restrict to)
 {
     const rsv_camera *c = &lens->camera;
     bool orthographic = c->vertical_fov == 0;
@@ -179,17 +183,17 @@ static inline void project(const rsv_lens *lens, const float *restrict px, const
         float up = x * c->up.x + y * c->up.y + z * c->up.z;
         float scale = 1 / ((orthographic ? 1 : ahead) * lens->pixel_size);
         bool seen = orthographic | (ahead > 0);
-        across[k] = seen ? lens->half_width + right * scale : -1e6f;
-        down[k] = seen ? lens->half_height - up * scale : -1e6f;
+        to->x[k] = seen ? lens->half_width + right * scale : -1e6f;
+        to->y[k] = seen ? lens->half_height - up * scale : -1e6f;
     }
 }
 
 /// Where cells lay in the frame before. Mirrored things move as their images behind the surface do.
 static inline void find_before(const rsv_glossy_cells *cells, const cell_lanes *restrict c,
-    const float *restrict reach, uint32_t column, uint32_t row, float *restrict x,
-    float *restrict y)
+    const float *restrict reach, uint32_t column, uint32_t row, picture_lanes *restrict to)
 {
-    _Alignas(64) float px[LANES], py[LANES], pz[LANES], now_x[LANES], now_y[LANES];
+    _Alignas(64) float px[LANES], py[LANES], pz[LANES];
+    picture_lanes now;
     const rsv_vec3 eye = cells->lens.camera.position;
     for (int k = 0; k < LANES; k++) {
         float mirrored = f_max(1 - 6 * c->alpha[k], 0) * reach[k] / (c->depth[k] + 1e-6f);
@@ -197,14 +201,14 @@ static inline void find_before(const rsv_glossy_cells *cells, const cell_lanes *
         py[k] = c->y[k] + mirrored * (c->y[k] - eye.y);
         pz[k] = c->z[k] + mirrored * (c->z[k] - eye.z);
     }
-    project(&cells->lens, px, py, pz, now_x, now_y);
-    project(&cells->lens_before, px, py, pz, x, y);
+    project(&cells->lens, px, py, pz, &now);
+    project(&cells->lens_before, px, py, pz, to);
     for (int k = 0; k < LANES; k++) {
-        float dx = 0.5f * (x[k] - now_x[k]), dy = 0.5f * (y[k] - now_y[k]);
+        float dx = 0.5f * (to->x[k] - now.x[k]), dy = 0.5f * (to->y[k] - now.y[k]);
         dx = fabsf(dx) < 2e-3f ? 0 : dx;
         dy = fabsf(dy) < 2e-3f ? 0 : dy;
-        x[k] = (float)((int)column + k) + f_min(f_max(dx, -1e5f), 1e5f);
-        y[k] = (float)row + f_min(f_max(dy, -1e5f), 1e5f);
+        to->x[k] = (float)((int)column + k) + f_min(f_max(dx, -1e5f), 1e5f);
+        to->y[k] = (float)row + f_min(f_max(dy, -1e5f), 1e5f);
     }
 }
 
@@ -256,7 +260,7 @@ static inline void add_before(const rsv_glossy_light *l, const int *restrict ind
 
 /// Means of what was kept where cells lay before, and how many samples that is.
 static inline void recall(const rsv_glossy_cells *cells, const cell_lanes *restrict c,
-    const float *restrict x, const float *restrict y, light_lanes *restrict mean)
+    const picture_lanes *restrict place, light_lanes *restrict mean)
 {
     _Alignas(64) float weight[LANES], samples[LANES];
     _Alignas(64) int index[LANES];
@@ -264,7 +268,8 @@ static inline void recall(const rsv_glossy_cells *cells, const cell_lanes *restr
     memset(samples, 0, sizeof samples);
     for (int tap = 0; tap < 4; tap++) {
         for (int k = 0; k < LANES; k++) {
-            float left = floorf(x[k]), top = floorf(y[k]), fx = x[k] - left, fy = y[k] - top;
+            float x = place->x[k], y = place->y[k];
+            float left = floorf(x), top = floorf(y), fx = x - left, fy = y - top;
             int i = (int)left + (tap & 1), j = (int)top + (tap >> 1);
             bool inside = (i >= 0) & (j >= 0) & (i < (int)cells->width) & (j < (int)cells->height);
             weight[k] = inside ? (tap & 1 ? fx : 1 - fx) * (tap >> 1 ? fy : 1 - fy) : 0;
@@ -302,7 +307,8 @@ static inline void keep_light(const rsv_glossy_cells *cells, size_t at,
 /// This frame's samples and the frames before, for sixteen cells.
 static void blend_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_t row)
 {
-    _Alignas(64) float x[LANES], y[LANES], reach[LANES];
+    _Alignas(64) float reach[LANES];
+    picture_lanes before;
     size_t at = cells->first + (size_t)row * cells->stride + column;
     cell_lanes c;
     light_lanes fresh = no_light(), old = no_light();
@@ -315,8 +321,8 @@ static void blend_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_t
     for (int k = 0; k < LANES; k++)
         reach[k] = fresh.count[k] > 1e-3f ? fresh.reach[k] / fresh.count[k] : 0;
     if (cells->keep > 0) {
-        find_before(cells, &c, reach, column, row, x, y);
-        recall(cells, &c, x, y, &old);
+        find_before(cells, &c, reach, column, row, &before);
+        recall(cells, &c, &before, &old);
     }
     keep_light(cells, at, &old, &fresh);
 }

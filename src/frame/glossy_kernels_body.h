@@ -176,23 +176,31 @@ static inline void put_block(const float *restrict lanes, float *restrict plane)
         memcpy(plane + row * RSV_TILE, lanes + row * RSV_BLOCK, RSV_BLOCK * sizeof *lanes);
 }
 
-/// Notes the lobes that are left to be lit. @param depth 0 = none @param mean radiance that arrives
-static inline void note_lobes(const rsv_ray_packet *restrict p, const float *restrict depth,
-    const glossy_lanes *restrict g, const glossy_constants *restrict constant,
-    float (*restrict value)[LANES], float (*restrict mean)[LANES], uint32_t first,
-    rsv_glossy_tile *restrict tile)
+/// Lobes that may be left to be lit.
+typedef struct lobe_lanes {
+    float value[8][LANES]; ///< of the tables of their materials
+    float mean[3][LANES];  ///< radiance that arrives
+    float depth[LANES];    ///< 0 = none is left
+} __attribute__((aligned(64))) lobe_lanes;
+
+/// Notes the lobes that are left to be lit.
+static inline void note_lobes(const rsv_ray_packet *restrict p, const glossy_lanes *restrict g,
+    const glossy_constants *restrict constant, const lobe_lanes *restrict lobes,
+    rsv_glossy_block block)
 {
+    rsv_glossy_tile *restrict tile = block.tile;
+    uint32_t first = block.first;
     _Alignas(64) float one[LANES];
     for (int k = 0; k < LANES; k++)
         one[k] = 1;
-    put_block(depth, tile->depth + first);
+    put_block(lobes->depth, tile->depth + first);
     put_block(constant->alpha, tile->alpha + first);
     put_block(p->u, tile->u + first);
     put_block(p->v, tile->v + first);
     for (int c = 0; c < 3; c++) {
         put_block(g->normal[c], tile->normal[c] + first);
-        put_block(value[4 + c], tile->albedo[c] + first);
-        put_block(mean[c], tile->even[c] + first);
+        put_block(lobes->value[4 + c], tile->albedo[c] + first);
+        put_block(lobes->mean[c], tile->even[c] + first);
         put_block(one, tile->passed[c] + first);
     }
     for (int row = 0; row < RSV_BLOCK; row++)
@@ -202,11 +210,11 @@ static inline void note_lobes(const rsv_ray_packet *restrict p, const float *res
 }
 
 static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
-    const float *restrict width, uint32_t lanes, float (*restrict radiance)[4], uint32_t first,
-    rsv_glossy_tile *restrict tile)
+    const float *restrict width, uint32_t lanes, float (*restrict radiance)[4],
+    rsv_glossy_block block)
 {
     _Alignas(64) int triangle[LANES];
-    _Alignas(64) float value[8][LANES], mean[3][LANES], depth[LANES];
+    lobe_lanes lobes;
     _Alignas(64) rsv_lanes3 corner[3];
     glossy_constants constant;
     glossy_lanes g;
@@ -214,18 +222,19 @@ static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packe
     gather(s->view->triangle_material, triangle, g.material);
     gather_normals(s->view, triangle, corner);
     find_normals(p, corner, &g);
-    find_rows(s->materials, &g, value);
+    find_rows(s->materials, &g, lobes.value);
     find_constants(s, p, width, lanes, &g, &constant);
     for (int k = 0; k < LANES; k++) {
         bool glossy = lanes >> k & 1, even = constant.even[k];
         float *out = radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
         for (int c = 0; c < 3; c++) {
-            mean[c][k] = out[c] * (1 / RSV_PI);
-            float share = constant.color[c][k] * value[c][k] + (even ? value[4 + c][k] : 0);
-            float shown = constant.emission[c][k] + mean[c][k] * share;
+            lobes.mean[c][k] = out[c] * (1 / RSV_PI);
+            float left = even ? lobes.value[4 + c][k] : 0;
+            float share = constant.color[c][k] * lobes.value[c][k] + left;
+            float shown = constant.emission[c][k] + lobes.mean[c][k] * share;
             out[c] = glossy ? shown : out[c];
         }
-        depth[k] = (glossy & !even) ? p->t_max[k] : 0;
+        lobes.depth[k] = (glossy & !even) ? p->t_max[k] : 0;
     }
-    if (any_positive(depth)) note_lobes(p, depth, &g, &constant, value, mean, first, tile);
+    if (any_positive(lobes.depth)) note_lobes(p, &g, &constant, &lobes, block);
 }

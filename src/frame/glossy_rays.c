@@ -37,8 +37,8 @@ static rsv_specular_path path_of(const rsv_glossy_rays *r, uint32_t lane)
 {
     const rsv_ray_packet *p = &r->packet;
     rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
-    rsv_specular_path path = rsv_specular_begin(
-        scene_of(r), NULL, direction, p->triangle[lane], p->u[lane], p->v[lane], p->t_max[lane]);
+    rsv_specular_path path =
+        rsv_specular_begin(scene_of(r), NULL, direction, rsv_packet_hit(p, lane));
     path.back = rsv_packet_meets_back(p, lane);
     path.events = 1;
     rsv_specular_set_spread(&path, 4 * RSV_GATHER_SPREAD, p->t_max[lane]);
@@ -207,8 +207,8 @@ static rsv_specular_path path_to(const rsv_glossy_rays *r, const rsv_glossy_task
     const rsv_camera *c = &task->aim->lens.camera;
     rsv_vec3 seen = c->forward;
     if (c->vertical_fov != 0) seen = v3_normalize(v3_sub(place, c->position));
-    rsv_specular_path path = rsv_specular_begin(scene_of(r), NULL, seen, tile->triangle[pixel],
-        tile->u[pixel], tile->v[pixel], tile->depth[pixel]);
+    rsv_specular_path path = rsv_specular_begin(scene_of(r), NULL, seen,
+        (rsv_hit){ tile->triangle[pixel], tile->depth[pixel], tile->u[pixel], tile->v[pixel] });
     rsv_specular_set_spread(&path, task->spread, tile->depth[pixel]);
     return path;
 }
@@ -323,7 +323,7 @@ void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
     const rsv_glossy_cells *c = task->cells;
     _Alignas(64) int speaker[RSV_LANES];
     for (uint32_t line = 0; line < RSV_TILE / 2; line++) {
-        r->kernels->fill_cells(tile, task->aim, column, row, line, c, speaker);
+        r->kernels->fill_cells(tile, task->aim, (rsv_cell_row){ column, row, line }, c, speaker);
         size_t at = c->first + (size_t)(row / 2 + line) * c->stride + column / 2;
         for (uint32_t k = 0; k < RSV_LANES; k++)
             if (speaker[k] >= 0) {

@@ -82,6 +82,18 @@ typedef struct rsv_glossy_shading {
     bool shows_emission;
 } rsv_glossy_shading;
 
+/// A block of a tile's pixels, from `first` on.
+typedef struct rsv_glossy_block {
+    rsv_glossy_tile *tile;
+    uint32_t first;
+} rsv_glossy_block;
+
+/// Sixteen cells of a tile.
+typedef struct rsv_cell_row {
+    uint32_t column, row; ///< of the tile's pixels in the picture
+    uint32_t line;        ///< of cells in the tile
+} rsv_cell_row;
+
 /// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
@@ -104,16 +116,14 @@ typedef struct rsv_packet_kernels {
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
     /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by direction, which
-    /// `tile` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
-    /// @param width of each lane's footprint, metres @param first pixel of the tile that the block begins with
+    /// the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
+    /// @param width of each lane's footprint, metres
     void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
-        const float *width, uint32_t lanes, float (*radiance)[4], uint32_t first,
-        rsv_glossy_tile *tile);
-    /// Sixteen cells of a tile, from those of their pixels that stand for them; their samples are none yet.
-    /// @param column, row of the tile's pixels in the picture @param line of cells in the tile
+        const float *width, uint32_t lanes, float (*radiance)[4], rsv_glossy_block block);
+    /// Sets cells, from those of their pixels that stand for them; their samples are none yet.
     /// @param speaker [16] pixels of the tile, out; -1 = none
-    void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, uint32_t column,
-        uint32_t row, uint32_t line, const rsv_glossy_cells *cells, int *speaker);
+    void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, rsv_cell_row row,
+        const rsv_glossy_cells *cells, int *speaker);
     void (*pack_pixels)(const rsv_glossy_tile *tile, rsv_glossy_pixels *pixels);
     /// This frame's samples around sixteen cells, and what was kept of the frames before.
     void (*blend_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
@@ -127,12 +137,11 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
         uint32_t count, uint8_t (*pixel)[4]);
-    /// The branches of specular paths that have arrived at surfaces of one smooth material. What comes out for other lanes means
+    /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted. What comes out for other lanes means
     /// nothing.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
         const rsv_clearances *clearances, const rsv_ray_packet *packet,
-        const rsv_specular_lanes *paths, rsv_branch_lanes *reflected,
-        rsv_branch_lanes *transmitted);
+        const rsv_specular_lanes *paths, rsv_branch_lanes branch[2]);
 } rsv_packet_kernels;
 
 /// @param instructions BEST, or what the processor is known to have; set to what is in use

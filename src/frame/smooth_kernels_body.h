@@ -134,9 +134,9 @@ static inline __attribute__((always_inline)) void depart(bool transmit,
 
 static void leave_smooth_packet(const rsv_scene_view *restrict view, const rsv_bsdf *restrict bsdf,
     const rsv_clearances *restrict clearances, const rsv_ray_packet *restrict p,
-    const rsv_specular_lanes *restrict c, rsv_branch_lanes *restrict reflected,
-    rsv_branch_lanes *restrict transmitted)
+    const rsv_specular_lanes *restrict c, rsv_branch_lanes *restrict branch)
 {
+    rsv_branch_lanes *reflected = &branch[0], *transmitted = &branch[1];
     corner_lanes corners;
     point_lanes points;
     clear_lanes clear;

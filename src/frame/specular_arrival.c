@@ -72,8 +72,7 @@ static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
     const rsv_transport_scene *scene = q->light.scene;
     const rsv_specular_lanes *c = a->paths;
     const rsv_bsdf *bsdf = &scene->bsdf[c->material[first_of(lanes)]];
-    q->kernels->leave_smooth(
-        scene->view, bsdf, q->clearances, a->rays, c, &q->branch[0], &q->branch[1]);
+    q->kernels->leave_smooth(scene->view, bsdf, q->clearances, a->rays, c, q->branch);
     for (int transmit = 0; transmit < 2; transmit++)
         for (uint32_t left = lanes; left; left &= left - 1) {
             uint32_t k = first_of(left);
@@ -82,14 +81,22 @@ static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
         }
 }
 
+/// The surface that a specular path has arrived at.
+typedef struct surface {
+    rsv_specular_path path;
+    rsv_surface_point point;
+    rsv_bsdf_branches branches;
+} surface;
+
 /// One branch of any smooth surface.
-static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specular_path *path,
-    const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches)
+static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const surface *s, bool transmit)
 {
+    const rsv_specular_path *path = &s->path;
     rsv_camera_branch branch;
     rsv_ray ray;
-    if (!rsv_ideal_branch(path, q->light.trail, q->light.max_events, transmit, branches, &branch) ||
-        !rsv_specular_depart(point, transmit, branch.direction, &ray))
+    if (!rsv_ideal_branch(
+            path, q->light.trail, q->light.max_events, transmit, &s->branches, &branch) ||
+        !rsv_specular_depart(&s->point, transmit, branch.direction, &ray))
         return;
     rsv_branch_lanes *b = &q->branch[transmit];
     rsv_set_lane_vector(b->origin, lane, ray.origin);
@@ -104,25 +111,25 @@ static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specu
 // ---- surfaces -----------------------------------------------------------------------------------
 
 /// Sends metal and glass on as if they were smooth: what they show behind mirrors and glass.
-static void smooth_out(const rsv_bsdf *bsdf, const rsv_specular_path *path,
-    const rsv_surface_point *point, rsv_bsdf_branches *branches)
+static void smooth_out(const rsv_bsdf *bsdf, surface *s)
 {
     rsv_bsdf smooth = *bsdf;
     smooth.alpha = 0;
-    *branches = rsv_specular_branches_of(&smooth, path, point);
+    s->branches = rsv_specular_branches_of(&smooth, &s->path, &s->point);
 }
 
 /// A rough surface: its lobes take part in what tiles share, or are the irradiance behind mirrors and glass.
-static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specular_path *path,
-    const rsv_surface_point *point, rsv_bsdf_branches *branches)
+static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
 {
+    const rsv_specular_path *path = &s->path;
+    const rsv_surface_point *point = &s->point;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_specular_bsdf(q->light.scene, path, &storage);
     rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
     bool first = path->events == 0 && path->medium.depth == 0;
-    bool diffuses = !rgb_is_black(branches->diffuse);
+    bool diffuses = !rgb_is_black(s->branches.diffuse);
     rsv_add_emission(&q->light, path, bsdf, throughput);
-    if (diffuses) rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, branches->diffuse));
+    if (diffuses) rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, s->branches.diffuse));
     bool through = !first && path->medium.depth == 0 &&
                    rsv_sees_through_panes(&q->light, path->direction, point->position, throughput);
     if (first || through) {
@@ -133,41 +140,42 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_s
     } else if (diffuses) {
         rsv_add_even_gloss(&q->light, path, point, bsdf, throughput);
     } else {
-        smooth_out(bsdf, path, point, branches);
+        smooth_out(bsdf, s);
     }
     if (!has_room(q, 1u << lane) ||
         rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED)
         return;
-    leave(q, a, lane, path, point, false, branches);
-    leave(q, a, lane, path, point, true, branches);
+    leave(q, a, lane, s, false);
+    leave(q, a, lane, s, true);
 }
 
 /// What a surface of any kind shows that is not in the table, and its branches.
 static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
 {
     rsv_bsdf storage;
-    rsv_specular_path path = path_arrived(q, a, lane);
+    surface s = { .path = path_arrived(q, a, lane) };
+    const rsv_specular_path *path = &s.path;
     const rsv_transport_scene *scene = q->light.scene;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, &path, &storage);
-    rsv_surface_point point =
-        rsv_surface_point_seen(scene->view, path.triangle, path.u, path.v, path.back, path.width);
-    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, &path, &point);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
+    s.point = rsv_surface_point_seen(
+        scene->view, path->triangle, path->u, path->v, path->back, path->width);
+    s.branches = rsv_specular_branches_of(bsdf, path, &s.point);
     turn_to(q, a->paths, lane);
-    if (branches.rough && q->light.gloss) {
-        end_rough(q, a, lane, &path, &point, &branches);
+    if (s.branches.rough && q->light.gloss) {
+        end_rough(q, a, lane, &s);
         return;
     }
-    if (branches.rough || !has_room(q, 1u << lane) ||
+    if (s.branches.rough || !has_room(q, 1u << lane) ||
         rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED) {
-        rsv_add_whole_path(&q->light, &path);
+        rsv_add_whole_path(&q->light, path);
         return;
     }
     rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
-    rsv_add_emission(&q->light, &path, bsdf, throughput);
-    if (!rgb_is_black(branches.diffuse))
-        rsv_add_diffuse_end(&q->light, &path, rgb_mul(throughput, branches.diffuse));
-    leave(q, a, lane, &path, &point, false, &branches);
-    leave(q, a, lane, &path, &point, true, &branches);
+    rsv_add_emission(&q->light, path, bsdf, throughput);
+    if (!rgb_is_black(s.branches.diffuse))
+        rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, s.branches.diffuse));
+    leave(q, a, lane, &s, false);
+    leave(q, a, lane, &s, true);
 }
 
 /// Lanes at surfaces of this material, and whether each of them knows the medium beyond.
@@ -261,8 +269,8 @@ static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
     if (!glossy) return lanes;
     memset(q->lobes->depth, 0, RSV_BLOCK * RSV_TILE * sizeof(float));
     q->kernels->look_up(table, a->places, q->irradiance);
-    q->kernels->shade_glossy(
-        q->shading, a->rays, a->paths->width, glossy, q->irradiance, 0, q->lobes);
+    q->kernels->shade_glossy(q->shading, a->rays, a->paths->width, glossy, q->irradiance,
+        (rsv_glossy_block){ q->lobes, 0 });
     for (uint32_t left = glossy; left; left &= left - 1) {
         uint32_t k = first_of(left), place = k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK;
         const float *base = q->irradiance[place];
@@ -286,7 +294,7 @@ static void follow(queue *q, const rsv_arrival *a, uint32_t lanes)
     for (; lanes; lanes &= lanes - 1) {
         uint32_t k = first_of(lanes);
         const rsv_ray_packet *p = a->rays;
-        rsv_hit hit = { p->triangle[k], p->t_max[k], p->u[k], p->v[k] };
+        rsv_hit hit = rsv_packet_hit(p, k);
         rsv_specular_path path = rsv_specular_of_lane(q, p, a->paths, k);
         rsv_specular_end_segment(q->light.scene, &path, &hit, rsv_packet_meets_back(p, k));
         turn_to(q, a->paths, k);
@@ -300,8 +308,7 @@ void rsv_specular_queue_arrive(rsv_specular_queue *q, const rsv_arrival *a, uint
     for (uint32_t k = 0; k < RSV_LANES; k++)
         missed |= (uint32_t)(a->rays->triangle[k] == RSV_NONE) << k;
     uint32_t met = lanes & ~missed;
-    uint32_t unlisted = rsv_specular_media_arrive(
-        q->media, a->rays, a->places, met, met & a->left, q->spread, a->paths);
+    uint32_t unlisted = rsv_specular_media_arrive(q->media, a, met, q->spread);
     see_sky(q, a, lanes & missed);
     follow(q, a, unlisted);
     see_stored(q, a, met & ~unlisted & ~a->left);

@@ -155,16 +155,17 @@ static void set_throughput(const rsv_specular_media *m, rsv_specular_lanes *c)
     }
 }
 
-uint32_t rsv_specular_media_arrive(const rsv_specular_media *m, const rsv_ray_packet *p,
-    const rsv_packet_places *places, uint32_t lanes, uint32_t left, float spread,
-    rsv_specular_lanes *c)
+uint32_t rsv_specular_media_arrive(
+    const rsv_specular_media *m, const rsv_arrival *a, uint32_t lanes, float spread)
 {
+    const rsv_ray_packet *p = a->rays;
+    rsv_specular_lanes *c = a->paths;
     uint32_t unlisted = 0;
     for (uint32_t k = 0; k < RSV_LANES; k++)
         c->back[k] = rsv_packet_meets_back(p, k);
-    for (; left; left &= left - 1) {
+    for (uint32_t left = lanes & a->left; left; left &= left - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        uint32_t material = (uint32_t)places->cell[k] - 1;
+        uint32_t material = (uint32_t)a->places->cell[k] - 1;
         if (material >= m->scene->view->material_count) // the cell of a glossy surface
             material = m->scene->view->triangle_material[p->triangle[k]];
         if (!arrive(m, material, k, c))

@@ -37,6 +37,14 @@ typedef struct rsv_specular_media {
     rsv_medium_table cross[2]; ///< beyond its surface, arriving at its front or back
 } rsv_specular_media;
 
+/// What the rays of a packet met, and the specular paths that they belong to.
+typedef struct rsv_arrival {
+    const rsv_ray_packet *rays;
+    const rsv_packet_places *places;
+    uint32_t left; ///< lanes whose ends are not in the table
+    rsv_specular_lanes *paths;
+} rsv_arrival;
+
 rsv_status rsv_specular_media_create(
     rsv_context *context, const rsv_transport_scene *scene, rsv_specular_media *media);
 void rsv_specular_media_destroy(rsv_specular_media *media);
@@ -49,13 +57,11 @@ uint8_t rsv_specular_media_of_eye(
     rsv_specular_media *media, uint32_t eye, const rsv_medium *medium);
 
 /// rsv_specular_end_segment for lanes that have met a surface, and throughput for all.
-/// @param places their ends: surfaces that are not in the table tell their material
-/// @param left lanes at such surfaces; those in the table are no bodies
-/// @param spread of all specular paths
+/// Ends of rays at surfaces that are not in the table tell their material; those in the table are no bodies.
+/// @param lanes that have @param spread of all specular paths
 /// @return lanes that come into a medium that is not listed: they are left as they were
-uint32_t rsv_specular_media_arrive(const rsv_specular_media *media, const rsv_ray_packet *rays,
-    const rsv_packet_places *places, uint32_t lanes, uint32_t left, float spread,
-    rsv_specular_lanes *paths);
+uint32_t rsv_specular_media_arrive(
+    const rsv_specular_media *media, const rsv_arrival *arrival, uint32_t lanes, float spread);
 
 /// Number of the medium into which a specular path at a surface is transmitted.
 RSV_INLINE uint8_t rsv_specular_media_beyond(

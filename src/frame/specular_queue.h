@@ -62,14 +62,6 @@ rsv_status rsv_specular_queue_create(const rsv_light_table *table,
     const rsv_clearances *clearances, rsv_specular_queue *queue);
 void rsv_specular_queue_destroy(rsv_specular_queue *queue);
 
-/// What the rays of a packet met, and the specular paths that they belong to.
-typedef struct rsv_arrival {
-    const rsv_ray_packet *rays;
-    const rsv_packet_places *places;
-    uint32_t left; ///< lanes whose ends are not in the table
-    rsv_specular_lanes *paths;
-} rsv_arrival;
-
 /// Specular paths on their way arrive: adds what they see and queues their branches. @param lanes that do, a bit each
 void rsv_specular_queue_arrive(
     rsv_specular_queue *queue, const rsv_arrival *arrival, uint32_t lanes);

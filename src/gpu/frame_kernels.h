@@ -209,8 +209,7 @@ RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
     rsv_hit hit = a->hit[pixel];
     rsv_gpu_traveller t;
     rsv_vec3 direction = rsv_frame_camera_ray(a, pixel).direction;
-    t.path = rsv_specular_begin(
-        &a->stage->transport, &eye->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    t.path = rsv_specular_begin(&a->stage->transport, &eye->medium, direction, hit);
     rsv_specular_set_spread(&t.path, eye->spread, hit.t);
     t.departure.pdf_solid_angle = t.departure.sky_pdf = 0;
     t.departure.shot = t.missed = false;

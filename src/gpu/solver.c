@@ -1,4 +1,5 @@
 /// Solvers on the device: steps are recorded once and replayed, a few at a time; in between the host reads how far they got.
+#include "../solver/stagnation.h"
 #include "bicgstab_kernels.h"
 #include "chebyshev_kernels.h"
 #include "transport.h"
@@ -7,10 +8,6 @@
 
 /// Applications of A in a recording.
 #define APPLICATIONS 4
-/// As in src/solver/linear_solver.c: applications without an improvement by half a percent, and growth beyond all sense.
-#define PATIENCE 64
-#define IMPROVEMENT 0.995
-#define BLOW_UP 1e6
 
 void rsv_gpu_solver_lay_out(rsv_device_transport *t, rsv_gpu_block *b)
 {
@@ -150,10 +147,10 @@ static void iterate(rsv_device_transport *t, uint32_t k, rsv_device_solve *solve
         rsv_gpu_download(t->gpu, &state, t->solver.state, sizeof state);
         double now = excess(&state);
         solve->converged = now <= 1;
-        if (now <= 1 || !(now < BLOW_UP * best) || state.broke_down) return;
-        waiting = now < IMPROVEMENT * best ? 0 : waiting + APPLICATIONS;
-        if (now < IMPROVEMENT * best) best = now;
-        if (waiting >= PATIENCE || solve->applications >= solve->max_applications) return;
+        if (now <= 1 || !(now < RSV_BLOW_UP * best) || state.broke_down) return;
+        waiting = now < RSV_IMPROVEMENT * best ? 0 : waiting + APPLICATIONS;
+        if (now < RSV_IMPROVEMENT * best) best = now;
+        if (waiting >= RSV_PATIENCE || solve->applications >= solve->max_applications) return;
         if (solve->stops && solve->stops(solve->user)) return;
         rsv_gpu_replay(t->gpu, steps_of(t, k));
         solve->applications += APPLICATIONS;

@@ -81,8 +81,9 @@ static rsv_status add_smoothed(
     rsv_status status;
     rsv_smooth_mesh smooth = { 0 };
     rsv_vec3 *split = NULL;
-    RSV_TRY(rsv_smooth_normals(r->context, position, vertex_count, mesh.indices,
-        mesh.triangle_count, r->desc->crease_angle, &smooth));
+    mesh.positions = position;
+    mesh.vertex_count = vertex_count;
+    RSV_TRY(rsv_smooth_normals(r->context, &mesh, r->desc->crease_angle, &smooth));
     split = rsv_alloc(r->context, smooth.vertex_count, sizeof *split);
     if (!split) RSV_TRY(RSV_ERROR_MEMORY);
     for (size_t i = 0; i < smooth.vertex_count; i++)

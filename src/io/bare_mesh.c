@@ -60,8 +60,7 @@ rsv_status rsv_add_bare_mesh(rsv_scene *scene, const rsv_load_desc *desc, const 
             scene, (double)desc->metres_per_unit *
                        fmax(fabs(origin[0]), fmax(fabs(origin[1]), fabs(origin[2]))));
     if (mesh.normals) return add_placed(scene, desc, origin, &mesh);
-    RSV_TRY(rsv_smooth_normals(context, mesh.positions, mesh.vertex_count, mesh.indices,
-        mesh.triangle_count, desc->crease_angle, &smooth));
+    RSV_TRY(rsv_smooth_normals(context, &mesh, desc->crease_angle, &smooth));
     split = rsv_alloc(context, smooth.vertex_count, sizeof *split);
     if (!split) RSV_TRY(RSV_ERROR_MEMORY);
     for (size_t i = 0; i < smooth.vertex_count; i++)

@@ -59,16 +59,24 @@ static void prepare_child(size_t bytes)
     if (used) limit(RLIMIT_AS, used + most_memory(bytes));
 }
 
-/// The child's life. @param message [MESSAGE_BYTES] shared with the caller
-static _Noreturn void work_and_end(
-    rsv_child_work work, void *user, size_t bytes, int to, char *message)
+/// What a child has to do.
+typedef struct child_task {
+    rsv_child_work work;
+    void *user;
+    size_t bytes;  ///< of its input
+    char *message; ///< [MESSAGE_BYTES] of its failure; shared with the caller
+} child_task;
+
+/// The child's life.
+static _Noreturn void work_and_end(const child_task *task, int to)
 {
-    prepare_child(bytes);
+    prepare_child(task->bytes);
     FILE *answer = fdopen(to, "wb");
-    rsv_status status = answer ? work(user, answer) : rsv_fail(RSV_ERROR_MEMORY, "out of memory");
+    rsv_status status =
+        answer ? task->work(task->user, answer) : rsv_fail(RSV_ERROR_MEMORY, "out of memory");
     if (status == RSV_OK && (fflush(answer) != 0 || ferror(answer)))
         status = rsv_fail(RSV_ERROR_IO, "its content cannot be passed on: %s", strerror(errno));
-    if (status != RSV_OK) snprintf(message, MESSAGE_BYTES, "%s", rsv_last_error());
+    if (status != RSV_OK) snprintf(task->message, MESSAGE_BYTES, "%s", rsv_last_error());
     _exit((int)status);
 }
 
@@ -110,8 +118,8 @@ static rsv_status judge(int ended, const char *message)
         "cannot be read: the importer crashes on it; repair it, or convert it to glTF");
 }
 
-static rsv_status work_in_child(rsv_context *context, rsv_child_work work, void *user, size_t bytes,
-    char *message, uint8_t **answer, size_t *count)
+static rsv_status work_in_child(
+    rsv_context *context, const child_task *task, uint8_t **answer, size_t *count)
 {
     int way[2], ended = 0;
     if (pipe(way) != 0)
@@ -119,17 +127,17 @@ static rsv_status work_in_child(rsv_context *context, rsv_child_work work, void 
     pid_t child = fork();
     if (child == 0) {
         close(way[0]);
-        work_and_end(work, user, bytes, way[1], message);
+        work_and_end(task, way[1]);
     }
     close(way[1]);
     rsv_status status =
-        child > 0 ? collect(context, way[0], most_memory(bytes), answer, count)
+        child > 0 ? collect(context, way[0], most_memory(task->bytes), answer, count)
                   : rsv_fail(RSV_ERROR_MEMORY, "no process can be started: %s", strerror(errno));
     close(way[0]);
     if (status != RSV_OK && child > 0) kill(child, SIGKILL);
     while (child > 0 && waitpid(child, &ended, 0) < 0 && errno == EINTR) {}
-    message[MESSAGE_BYTES - 1] = '\0';
-    return status == RSV_OK ? judge(ended, message) : status;
+    task->message[MESSAGE_BYTES - 1] = '\0';
+    return status == RSV_OK ? judge(ended, task->message) : status;
 }
 
 rsv_status rsv_in_child_process(rsv_context *context, rsv_child_work work, void *user, size_t bytes,
@@ -140,7 +148,8 @@ rsv_status rsv_in_child_process(rsv_context *context, rsv_child_work work, void 
     char *message =
         mmap(NULL, MESSAGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (message == MAP_FAILED) return rsv_fail(RSV_ERROR_MEMORY, "out of memory");
-    rsv_status status = work_in_child(context, work, user, bytes, message, answer, count);
+    const child_task task = { work, user, bytes, message };
+    rsv_status status = work_in_child(context, &task, answer, count);
     munmap(message, MESSAGE_BYTES);
     if (status == RSV_OK) return RSV_OK;
     rsv_free(context, *answer);

@@ -166,13 +166,13 @@ static rsv_status read_vectors(rsv_context *context, const rsv_gltf_document *do
 }
 
 rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, float **values, size_t *count, size_t *component_count)
+    int accessor, const char *owner, rsv_gltf_attribute *attribute)
 {
-    rsv_status status =
-        read_vectors(context, document, accessor, (owner_label){ "mesh", owner }, values);
+    rsv_status status = read_vectors(
+        context, document, accessor, (owner_label){ "mesh", owner }, &attribute->values);
     if (status != RSV_OK) return status;
-    *count = document->accessor[accessor].count;
-    *component_count = (size_t)document->accessor[accessor].component_count;
+    attribute->count = document->accessor[accessor].count;
+    attribute->width = (size_t)document->accessor[accessor].component_count;
     return RSV_OK;
 }
 
@@ -202,7 +202,7 @@ rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document 
 }
 
 rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
-    const char *animation, size_t width, float **values, size_t *count)
+    const char *animation, rsv_gltf_numbers *numbers)
 {
     static const char *const needed[] = { "", "must hold SCALAR", "", "must hold VEC3",
         "must hold VEC4" };
@@ -211,16 +211,17 @@ rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *doc
         return refuse(accessor, owner, "does not exist");
     const rsv_gltf_accessor *a = &document->accessor[accessor];
     int type = a->span.component_type;
-    if ((size_t)a->component_count != width) return refuse(accessor, owner, needed[width]);
+    if ((size_t)a->component_count != numbers->width)
+        return refuse(accessor, owner, needed[numbers->width]);
     if (!rsv_gltf_component_bytes(type) || type == RSV_GLTF_UNSIGNED_INT)
         return refuse(accessor, owner, "must hold floats or normalised 8- or 16-bit integers");
-    rsv_status status = decode(context, document, accessor, owner, values);
+    rsv_status status = decode(context, document, accessor, owner, &numbers->value);
     if (status != RSV_OK) return status;
-    *count = a->count;
-    for (size_t k = 0; k < *count * width; k++) {
-        if (isfinite((*values)[k])) continue;
-        rsv_free(context, *values);
-        *values = NULL;
+    numbers->count = a->count;
+    for (size_t k = 0; k < numbers->count * numbers->width; k++) {
+        if (isfinite(numbers->value[k])) continue;
+        rsv_free(context, numbers->value);
+        numbers->value = NULL;
         return refuse(accessor, owner, "holds a number that is not finite");
     }
     return RSV_OK;
@@ -229,20 +230,19 @@ rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *doc
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *owner, rsv_vec3 **vectors, size_t *count)
 {
-    float *values;
-    size_t width;
-    rsv_status status =
-        rsv_gltf_read_attribute(context, document, accessor, owner, &values, count, &width);
+    rsv_gltf_attribute read;
+    rsv_status status = rsv_gltf_read_attribute(context, document, accessor, owner, &read);
     if (status != RSV_OK) return status;
-    *vectors = (rsv_vec3 *)values;
-    if (width == 3) return RSV_OK;
-    rsv_free(context, values);
+    *vectors = (rsv_vec3 *)read.values;
+    *count = read.count;
+    if (read.width == 3) return RSV_OK;
+    rsv_free(context, read.values);
     *vectors = NULL;
     return refuse(accessor, (owner_label){ "mesh", owner }, "must hold VEC3");
 }
 
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *mesh, size_t vertex_count, uint32_t **indices, size_t *count)
+    int accessor, const char *mesh, size_t vertex_count, rsv_gltf_indices *indices)
 {
     const owner_label owner = { "mesh", mesh };
     if ((size_t)accessor >= document->accessor_count)
@@ -270,7 +270,7 @@ rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *
             return RSV_ERROR_FORMAT;
         }
     }
-    *indices = decoded;
-    *count = a->count;
+    indices->index = decoded;
+    indices->count = a->count;
     return RSV_OK;
 }

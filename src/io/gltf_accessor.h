@@ -7,10 +7,17 @@
 /// Zero-filled accessors need no bytes in the file, so that their count must be bounded otherwise.
 #define RSV_GLTF_MAX_ZERO_FILLED (1 << 24)
 
+/// Vectors as an accessor holds them.
+typedef struct rsv_gltf_attribute {
+    float *values; ///< [count * width]; to be freed
+    size_t count;
+    size_t width; ///< components of each
+} rsv_gltf_attribute;
+
 /// Vectors of two to four components: float, or (KHR_mesh_quantization) integers. Errors name the accessor and
-/// the mesh `owner`. The caller frees `*values`, [count * component_count].
+/// the mesh `owner`.
 rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, float **values, size_t *count, size_t *component_count);
+    int accessor, const char *owner, rsv_gltf_attribute *attribute);
 
 /// The same, of three components.
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
@@ -25,13 +32,25 @@ rsv_status rsv_gltf_read_instances(rsv_context *context, const rsv_gltf_document
 rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *skin, float (**matrices)[16], size_t *count);
 
-/// Times or values of an animation: `width` components each, float or normalised integers, all finite. The caller frees
-/// `*values`, [count * width].
+/// Numbers of an animation.
+typedef struct rsv_gltf_numbers {
+    size_t width; ///< components each: 1, 3 or 4
+    float *value; ///< [count * width]; to be freed
+    size_t count;
+} rsv_gltf_numbers;
+
+/// Times or values of an animation: float or normalised integers, all finite. @param numbers `width` in, the rest out
 rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
-    const char *animation, size_t width, float **values, size_t *count);
+    const char *animation, rsv_gltf_numbers *numbers);
+
+/// Indices as an accessor holds them.
+typedef struct rsv_gltf_indices {
+    uint32_t *index; ///< [count]; to be freed
+    size_t count;
+} rsv_gltf_indices;
 
 /// Indices, each below `vertex_count`.
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, size_t vertex_count, uint32_t **indices, size_t *count);
+    int accessor, const char *owner, size_t vertex_count, rsv_gltf_indices *indices);
 
 #endif

@@ -1,7 +1,6 @@
 #include "gltf_clip.h"
 
 #include "../core/core.h"
-#include "gltf_accessor.h"
 
 #include <math.h>
 
@@ -67,15 +66,16 @@ static rsv_status account(reading *r, int accessor)
 
 static rsv_status check_times(const reading *r, const rsv_gltf_keys *keys, int accessor)
 {
-    if (!keys->time_count)
+    if (!keys->time.count)
         return rsv_fail(RSV_ERROR_FORMAT, "animation '%s': accessor %d holds no keys",
             r->animation->name, accessor);
-    for (size_t k = 1; k < keys->time_count; k++)
-        if (keys->time[k] < keys->time[k - 1])
+    for (size_t k = 1; k < keys->time.count; k++)
+        if (keys->time.value[k] < keys->time.value[k - 1])
             return rsv_fail(RSV_ERROR_FORMAT,
                 "animation '%s': accessor %d: key %zu is at %g s, after one at %g s; times must "
                 "rise: export it again",
-                r->animation->name, accessor, k, (double)keys->time[k], (double)keys->time[k - 1]);
+                r->animation->name, accessor, k, (double)keys->time.value[k],
+                (double)keys->time.value[k - 1]);
     return RSV_OK;
 }
 
@@ -86,18 +86,19 @@ static rsv_status read_keys(reading *r, int sampler, size_t width, const rsv_glt
     const rsv_gltf_sampler *from = &r->animation->sampler[sampler];
     rsv_gltf_keys *keys = &r->clip->keys[sampler];
     *found = keys;
-    if (keys->value && keys->width == width) return RSV_OK;
-    if (keys->value)
+    if (keys->number.value && keys->number.width == width) return RSV_OK;
+    if (keys->number.value)
         return rsv_fail(RSV_ERROR_FORMAT, "animation '%s': sampler %d moves unlike things",
             r->animation->name, sampler);
     RSV_TRY(account(r, from->input));
     RSV_TRY(account(r, from->output));
-    RSV_TRY(rsv_gltf_read_keys(r->context, r->document, from->input, r->animation->name, 1,
-        &keys->time, &keys->time_count));
+    keys->time.width = 1;
+    keys->number.width = width;
+    RSV_TRY(
+        rsv_gltf_read_keys(r->context, r->document, from->input, r->animation->name, &keys->time));
     RSV_TRY(check_times(r, keys, from->input));
-    RSV_TRY(rsv_gltf_read_keys(r->context, r->document, from->output, r->animation->name, width,
-        &keys->value, &keys->value_count));
-    keys->width = width;
+    RSV_TRY(rsv_gltf_read_keys(
+        r->context, r->document, from->output, r->animation->name, &keys->number));
 cleanup:
     return status;
 }
@@ -125,16 +126,16 @@ static rsv_status add_track(reading *r, const rsv_gltf_channel *channel, size_t 
     rsv_gltf_track track = { .node = (uint32_t)channel->node,
         .path = channel->path,
         .interpolation = r->animation->sampler[channel->sampler].interpolation,
-        .time = keys->time,
-        .value = keys->value,
-        .key_count = keys->time_count,
+        .time = keys->time.value,
+        .value = keys->number.value,
+        .key_count = keys->time.count,
         .width = width };
     size_t tripled = track.interpolation == RSV_GLTF_CUBIC_SPLINE ? 3 : 1;
-    size_t needed = keys->time_count * tripled * (is_weights ? width : 1);
-    if (keys->value_count != needed)
+    size_t needed = keys->time.count * tripled * (is_weights ? width : 1);
+    if (keys->number.count != needed)
         return rsv_fail(RSV_ERROR_FORMAT,
             "animation '%s': sampler %d has %zu values where its %zu keys need %zu",
-            r->animation->name, channel->sampler, keys->value_count, keys->time_count, needed);
+            r->animation->name, channel->sampler, keys->number.count, keys->time.count, needed);
     r->clip->track[r->clip->count++] = track;
 cleanup:
     return status;
@@ -211,8 +212,8 @@ cleanup:
 void rsv_gltf_clip_destroy(rsv_gltf_clip *clip)
 {
     for (size_t k = 0; clip->keys && k < clip->sampler_count; k++) {
-        rsv_free(clip->context, clip->keys[k].time);
-        rsv_free(clip->context, clip->keys[k].value);
+        rsv_free(clip->context, clip->keys[k].time.value);
+        rsv_free(clip->context, clip->keys[k].number.value);
     }
     rsv_free(clip->context, clip->keys);
     rsv_free(clip->context, clip->track);

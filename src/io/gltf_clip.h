@@ -2,13 +2,11 @@
 #ifndef RSV_GLTF_CLIP_H
 #define RSV_GLTF_CLIP_H
 
-#include "gltf_document.h"
+#include "gltf_accessor.h"
 
-/// Keys as the file has them.
+/// Keys as the file has them; values NULL = not read yet.
 typedef struct rsv_gltf_keys {
-    float *time, *value; ///< NULL = not read yet
-    size_t time_count, value_count;
-    size_t width; ///< components of a value as the accessor has it
+    rsv_gltf_numbers time, number;
 } rsv_gltf_keys;
 
 typedef struct rsv_gltf_track {

@@ -46,17 +46,19 @@ typedef struct attribute {
 static rsv_status read_attribute(
     const reading *r, attribute a, size_t vertex_count, float **values, size_t *width)
 {
-    size_t count;
-    rsv_status status = rsv_gltf_read_attribute(
-        r->context, r->document, a.accessor, r->owner, values, &count, width);
+    rsv_gltf_attribute read;
+    rsv_status status =
+        rsv_gltf_read_attribute(r->context, r->document, a.accessor, r->owner, &read);
     if (status != RSV_OK) return status;
+    *values = read.values;
+    *width = read.width;
     if (*width < a.least_width || *width > a.most_width)
         return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d must hold VEC%zu%s as %s",
             r->owner, a.accessor, a.least_width, a.least_width < a.most_width ? " or VEC4" : "",
             a.what);
-    if (count != vertex_count)
+    if (read.count != vertex_count)
         return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d holds %zu %s for %zu positions",
-            r->owner, a.accessor, count, a.what, vertex_count);
+            r->owner, a.accessor, read.count, a.what, vertex_count);
     return RSV_OK;
 }
 
@@ -65,7 +67,7 @@ static rsv_status add_target(
     const reading *r, attribute a, float weight, size_t vertex_count, float *values, size_t width)
 {
     float *change = NULL;
-    size_t change_width;
+    size_t change_width = 0;
     if (a.accessor < 0 || weight == 0) return RSV_OK;
     rsv_status status = read_attribute(r, a, vertex_count, &change, &change_width);
     size_t shared = change_width < width ? change_width : width;
@@ -175,10 +177,12 @@ static rsv_status unroll(const reading *r, rsv_gltf_geometry *g)
 static rsv_status read_indices(const reading *r, rsv_gltf_geometry *g)
 {
     rsv_status status = RSV_OK;
-    g->index_count = g->vertex_count;
+    rsv_gltf_indices read = { NULL, g->vertex_count };
     if (r->primitive->indices >= 0)
-        RSV_TRY(rsv_gltf_read_indices(r->context, r->document, r->primitive->indices, r->owner,
-            g->vertex_count, &g->index, &g->index_count));
+        RSV_TRY(rsv_gltf_read_indices(
+            r->context, r->document, r->primitive->indices, r->owner, g->vertex_count, &read));
+    g->index = read.index;
+    g->index_count = read.count;
     if (g->vertex_count >= RSV_NONE)
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "mesh '%s': too many vertices", r->owner);
     if (r->primitive->mode != RSV_GLTF_TRIANGLES) RSV_TRY(unroll(r, g));

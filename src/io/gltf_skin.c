@@ -127,11 +127,11 @@ static void release_influences(rsv_context *context, influences *all)
 static rsv_status read_four(rsv_context *context, const rsv_gltf_document *document, int accessor,
     const char *owner, size_t vertex_count, float **values)
 {
-    size_t count, width;
-    rsv_status status =
-        rsv_gltf_read_attribute(context, document, accessor, owner, values, &count, &width);
+    rsv_gltf_attribute read;
+    rsv_status status = rsv_gltf_read_attribute(context, document, accessor, owner, &read);
     if (status != RSV_OK) return status;
-    if (width != 4 || count != vertex_count)
+    *values = read.values;
+    if (read.width != 4 || read.count != vertex_count)
         return rsv_fail(RSV_ERROR_FORMAT,
             "mesh '%s': accessor %d must hold VEC4 joints or weights for %zu positions", owner,
             accessor, vertex_count);

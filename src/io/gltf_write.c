@@ -345,15 +345,15 @@ static rsv_status find_objects(writer *w)
     return RSV_OK;
 }
 
-static cJSON *append_accessor(writer *w, cJSON *accessors, int buffer_view, size_t offset,
-    size_t count, int component_type, const char *type)
+static cJSON *append_accessor(writer *w, cJSON *accessors, int view, size_t offset, size_t count)
 {
+    const int type_float = 5126, type_uint = 5125;
     cJSON *json = append_object(w, accessors);
-    add_number(w, json, "bufferView", buffer_view);
+    add_number(w, json, "bufferView", view);
     add_number(w, json, "byteOffset", (double)offset);
-    add_number(w, json, "componentType", component_type);
+    add_number(w, json, "componentType", view == INDICES ? type_uint : type_float);
     add_number(w, json, "count", (double)count);
-    add_string(w, json, "type", type);
+    add_string(w, json, "type", view == INDICES ? "SCALAR" : "VEC3");
     return json;
 }
 
@@ -371,20 +371,18 @@ static void add_bounds(writer *w, cJSON *accessor, const object_range *range)
 
 static void add_objects(writer *w)
 {
-    const int type_float = 5126, type_uint = 5125;
     cJSON *meshes = add_array(w, w->root, "meshes");
     cJSON *accessors = add_array(w, w->root, "accessors");
     for (size_t i = 0; i < w->view->object_count; i++) {
         const object_range *range = &w->object[i];
         const char *name = w->view->object_name[i];
         size_t vertex_offset = range->first_vertex * sizeof(rsv_vec3);
-        cJSON *positions = append_accessor(
-            w, accessors, POSITIONS, vertex_offset, range->vertex_count, type_float, "VEC3");
+        cJSON *positions =
+            append_accessor(w, accessors, POSITIONS, vertex_offset, range->vertex_count);
         add_bounds(w, positions, range);
-        append_accessor(
-            w, accessors, NORMALS, vertex_offset, range->vertex_count, type_float, "VEC3");
+        append_accessor(w, accessors, NORMALS, vertex_offset, range->vertex_count);
         append_accessor(w, accessors, INDICES, range->first_triangle * 3 * sizeof(uint32_t),
-            3 * range->triangle_count, type_uint, "SCALAR");
+            3 * range->triangle_count);
 
         cJSON *mesh = append_object(w, meshes);
         add_string(w, mesh, "name", name);

@@ -13,19 +13,6 @@ struct rsv_krylov {
 
 // ---- PETSc itself --------------------------------------------------------------------------------
 
-/// The first words of a failure, for the message; the rest of PETSc's trace says where in its own sources.
-static PetscErrorCode keep_message(MPI_Comm communicator, int line, const char *function,
-    const char *file, PetscErrorCode code, PetscErrorType type, const char *text, void *message)
-{
-    (void)communicator, (void)line, (void)function, (void)file;
-    if (type == PETSC_ERROR_INITIAL && text) {
-        snprintf(message, RSV_MESSAGE_BYTES, "PETSc: %s", text);
-        char *end = strchr(message, '\n');
-        if (end) *end = '\0';
-    }
-    return code;
-}
-
 static PetscErrorCode start(rsv_team *team)
 {
     PetscBool started;
@@ -58,16 +45,23 @@ void rsv_krylov_end(rsv_team *team)
     PetscCallVoid(SlepcFinalize());
 }
 
+/// The first line of a failure as the message: the rest of PETSc's trace says where in its own sources.
 static rsv_status outcome(PetscErrorCode code, char *message)
 {
+    char *text = NULL;
+    *message = '\0';
     if (code == 0) return RSV_OK;
-    if (!*message) snprintf(message, RSV_MESSAGE_BYTES, "PETSc fails with error %d", (int)code);
+    PetscErrorMessage(code, NULL, &text);
+    if (text && *text)
+        snprintf(message, RSV_MESSAGE_BYTES, "PETSc: %.*s", (int)strcspn(text, "\n"), text);
+    else
+        snprintf(message, RSV_MESSAGE_BYTES, "PETSc fails with error %d", (int)code);
     return code == PETSC_ERR_MEM ? RSV_ERROR_MEMORY : RSV_ERROR_ARGUMENT;
 }
 
-/// Calls that may fail, with their message kept.
+/// Calls that may fail, and print nothing where they do.
 #define OUTCOME_OF(call, message)                                                                  \
-    (*(message) = '\0', PetscPushErrorHandler(keep_message, message), (void)(code = (call)),       \
+    (PetscPushErrorHandler(PetscReturnErrorHandler, NULL), (void)(code = (call)),                  \
         PetscPopErrorHandler(), outcome(code, message))
 
 // ---- solving -------------------------------------------------------------------------------------
@@ -135,7 +129,7 @@ static rsv_status create(const rsv_krylov_system *system, rsv_krylov **krylov, c
 }
 
 static PetscErrorCode run(rsv_krylov *k, const rsv_rgb *residual, double relative,
-    rsv_rgb *correction, double *applications, bool *converged)
+    rsv_rgb *correction, rsv_krylov_report *report)
 {
     PetscBool given;
     PetscInt steps;
@@ -149,17 +143,17 @@ static PetscErrorCode run(rsv_krylov *k, const rsv_rgb *residual, double relativ
     PetscCall(KSPSolve(k->solver, k->right, k->left));
     PetscCall(KSPGetIterationNumber(k->solver, &steps));
     PetscCall(KSPGetConvergedReason(k->solver, &reason));
-    *applications = (double)steps;
-    *converged = reason > 0;
+    report->applications = (double)steps;
+    report->converged = reason > 0;
     PetscCall(rsv_mpi_get(&k->rows, k->left, correction));
     PetscFunctionReturn(0);
 }
 
 static rsv_status solve(rsv_krylov *k, const rsv_rgb *residual, double relative,
-    rsv_rgb *correction, double *applications, bool *converged, char *message)
+    rsv_rgb *correction, rsv_krylov_report *report, char *message)
 {
     PetscErrorCode code;
-    return OUTCOME_OF(run(k, residual, relative, correction, applications, converged), message);
+    return OUTCOME_OF(run(k, residual, relative, correction, report), message);
 }
 
 // ---- eigenvalues ---------------------------------------------------------------------------------

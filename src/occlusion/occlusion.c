@@ -2,6 +2,7 @@
 #include "occlusion.h"
 
 #include "../core/core.h"
+#include "../scene/scene.h"
 
 #define DEFAULT_SAMPLES 16
 #define SCREEN_REACH 0.05f ///< default of the screen-space form, as a share of the scene's diagonal
@@ -51,6 +52,7 @@ rsv_status rsv_occlusion_create(
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     rsv_status status = check_desc(view, desc);
+    if (status == RSV_OK) status = rsv_scene_refuse_fog(scene, "ambient occlusion");
     if (status != RSV_OK) return status;
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_occlusion *o = rsv_alloc(context, 1, sizeof *o);

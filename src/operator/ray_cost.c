@@ -47,12 +47,13 @@ static void time_row(const rsv_tracer *tracer, rsv_ray_packet *packets, uint32_t
     *packet_seconds += rsv_seconds() - middle;
 }
 
-rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_elements *elements,
-    const uint16_t *valid_points, uint32_t rays, uint32_t seed, uint64_t *ray_count,
-    double *packet_seconds, double *single_seconds)
+rsv_status rsv_transport_trace_only(const rsv_transport_desc *desc, rsv_ray_cost *cost)
 {
+    const rsv_elements *elements = desc->elements;
+    const rsv_tracer *tracer = desc->scene->tracer;
     rsv_context *context = elements->context;
     rsv_directions directions;
+    uint32_t rays = desc->rays, seed = desc->seed;
     rsv_status status = rsv_directions_create(context, rays, seed, &directions);
     if (status != RSV_OK) return status;
     double packet_sum = 0, single_sum = 0;
@@ -63,11 +64,11 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
         rsv_ray_packet *packets = rsv_alloc(context, rays / LANES, sizeof *packets);
 #pragma omp for schedule(dynamic, 64)
         for (size_t node = 0; node < elements->node_count; node++) {
-            if (!packets || valid_points[node] == 0) continue;
+            if (!packets || desc->valid_points[node] == 0) continue;
             rsv_receiver_draw draw = { (uint32_t)node,
-                rsv_elements_draw_of(elements, (uint32_t)node), seed, valid_points[node] };
-            aim_row(elements, scene->tracer, &directions, draw, packets);
-            time_row(scene->tracer, packets, rays / LANES, &packet_sum, &single_sum);
+                rsv_elements_draw_of(elements, (uint32_t)node), seed, desc->valid_points[node] };
+            aim_row(elements, tracer, &directions, draw, packets);
+            time_row(tracer, packets, rays / LANES, &packet_sum, &single_sum);
             traced += rays;
         }
         if (!packets) {
@@ -76,9 +77,9 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
         }
         rsv_free(context, packets);
     }
-    *ray_count = traced;
-    *packet_seconds = packet_sum / rsv_threads(context);
-    *single_seconds = single_sum / rsv_threads(context);
+    cost->rays = traced;
+    cost->packet_seconds = packet_sum / rsv_threads(context);
+    cost->single_seconds = single_sum / rsv_threads(context);
     rsv_directions_destroy(&directions);
     return failed ? RSV_ERROR_MEMORY : RSV_OK;
 }

@@ -1,13 +1,8 @@
 /// What rows of G cost, measured on a few rays of a few of them.
 #include "../core/team.h"
 #include "../update/update.h"
+#include "operator_constants.h"
 #include "row_tracer.h"
-
-/// Rows along the curve that are taken to cost alike, and the rays of the one in their middle that tell how much.
-#define STRETCH 16
-#define RAYS 64
-#define TURN 16    ///< probes that a thread takes at a time: neighbours, as in the assembly
-#define DOUBTFUL 4 ///< times the probe before
 
 /// Nodes with a row, along the curve. @return how many
 static size_t list_rows(const rsv_row_tracer *tracer, const rsv_division *d, uint32_t *along)
@@ -31,7 +26,7 @@ static void probe_turn(const rsv_row_tracer *tracer, const uint32_t *along, size
 {
     size_t stretches = (rows + STRETCH - 1) / STRETCH;
     int64_t before = INT64_MAX / DOUBTFUL;
-    for (size_t k = first; k < first + TURN && k < stretches; k++) {
+    for (size_t k = first; k < first + COST_TURN && k < stretches; k++) {
         size_t middle = k * STRETCH + STRETCH / 2;
         uint32_t node = along[middle < rows ? middle : rows - 1];
         int64_t time = time_row(tracer, node, scratch);
@@ -49,15 +44,16 @@ static rsv_status measure(
     rsv_context *context = tracer->elements->context;
     rsv_team_place place = rsv_team_place_of(context);
     rsv_status result = RSV_OK;
-    size_t turns = rows / (STRETCH * TURN) + 1, step = rsv_division_step(turns);
+    size_t turns = rows / (STRETCH * COST_TURN) + 1, step = rsv_division_step(turns);
 #pragma omp parallel num_threads(rsv_threads(context))
     {
         rsv_row_scratch scratch = { 0 };
-        rsv_status status = rsv_row_scratch_create(context, RAYS, &scratch);
+        rsv_status status = rsv_row_scratch_create(context, COST_RAYS, &scratch);
 #pragma omp for schedule(dynamic, 1)
         for (size_t turn = place.rank; turn < turns; turn += place.size)
             if (status == RSV_OK && !rsv_cancelled(context))
-                probe_turn(tracer, along, rows, turn * step % turns * TURN, &scratch, nanoseconds);
+                probe_turn(
+                    tracer, along, rows, turn * step % turns * COST_TURN, &scratch, nanoseconds);
         rsv_row_scratch_destroy(context, &scratch);
         if (status != RSV_OK) {
 #pragma omp critical
@@ -85,7 +81,7 @@ rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
     uint32_t *along = rsv_alloc(context, nodes, sizeof *along);
     int64_t *nanoseconds = rsv_alloc(context, stretches, sizeof *nanoseconds);
     RSV_TRY(along && nanoseconds ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_row_tracer_begin(&probe, RAYS));
+    RSV_TRY(rsv_row_tracer_begin(&probe, COST_RAYS));
     RSV_TRY(rsv_division_create(tracer->elements, division));
     size_t rows = list_rows(&probe, *division, along);
     // what is kept must be found again: no seconds may decide who has a row

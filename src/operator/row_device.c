@@ -1,9 +1,7 @@
 #include "row_device.h"
 
 #include "../trace/hierarchy.h"
-
-/// Rays in flight at a time: enough for any device.
-#define RAYS_AT_A_TIME ((size_t)1 << 22)
+#include "operator_constants.h"
 
 struct rsv_row_device {
     rsv_context *context;

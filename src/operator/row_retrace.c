@@ -98,7 +98,7 @@ static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_k
         return row->valid == tracer->valid_points[node];
     uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
     return row->valid == rsv_judge_points(tracer->scene, tracer->elements, node, row->index,
-                             RSV_SUPPORT_POINTS, tracer->seed, &rays);
+                             (rsv_support_draw){ RSV_SUPPORT_POINTS, tracer->seed }, &rays);
 }
 
 void rsv_row_retrace(

@@ -1,4 +1,5 @@
 #include "../sources/partition.h"
+#include "../trace/packet.h"
 #include "row_tracer_internal.h"
 
 #include <string.h>
@@ -99,14 +100,19 @@ static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     return rgb_mul(entry, r->entry_scale);
 }
 
+/// A row's specular path at the surface that its ray has met.
+static rsv_specular_path begin_path(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
+    const rsv_ray_packet *packet, uint32_t k)
+{
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    return rsv_specular_begin(tracer->scene, &r->medium, direction, rsv_packet_hit(packet, k));
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
-    const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
+    const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
-    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_specular_path path = rsv_specular_begin(tracer->scene, &r->medium, direction,
-        packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
     rsv_gather gather =
         rsv_specular_gather(tracer->scene, path, &random, counts_by_gathering, tracer->lights);
     // not ahead of roulette, which could raise the sum of the row
@@ -188,7 +194,8 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         }
         if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
             s->kind[ray] = RSV_TARGET_SPECULAR;
-            follow_path(tracer, s, ray, r, cos_receiver[k], packet, k);
+            follow_path(
+                tracer, s, ray, r, cos_receiver[k], begin_path(tracer, r, packet, (uint32_t)k));
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
@@ -285,7 +292,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         if (packet.triangle[k] == RSV_NONE)
             record_sky(tracer, s, r, z[k], &packet, (int)k);
         else
-            follow_path(tracer, s, ray, r, z[k], &packet, (int)k);
+            follow_path(tracer, s, ray, r, z[k], begin_path(tracer, r, &packet, k));
     }
     s->rays += tracer->directions.count;
 }

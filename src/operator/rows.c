@@ -2,15 +2,13 @@
 #include "../core/team.h"
 #include "../update/row_store.h"
 #include "../update/update.h"
+#include "operator_constants.h"
 #include "row_device.h"
 #include "stored_rows_internal.h"
 #include "transport_lists.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Blocks that are traced before their rows move to the operator: enough to keep all threads busy to the end.
-#define BLOCKS_PER_THREAD 64
 
 /// Rows on their way to the operator.
 typedef struct row_block {
@@ -332,16 +330,15 @@ static rsv_status open_store(assembly *a)
     return status;
 }
 
-rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
-    rsv_transport **transport)
+rsv_status rsv_transport_create(const rsv_transport_desc *d, rsv_transport **transport)
 {
     rsv_status status;
-    assembly a = { .tracer = { scene, lights, elements, valid_points, .seed = seed } };
-    RSV_TRY(rsv_row_tracer_begin(&a.tracer, rays));
+    assembly a = { .tracer = {
+                       d->scene, d->lights, d->elements, d->valid_points, .seed = d->seed } };
+    RSV_TRY(rsv_row_tracer_begin(&a.tracer, d->rays));
     RSV_TRY(divide_rows(&a));
     RSV_TRY(list_rows(&a));
-    RSV_TRY(create_empty(&a, rays, &a.transport));
+    RSV_TRY(create_empty(&a, d->rays, &a.transport));
     a.transport->division = a.division;
     a.division = NULL;
     RSV_TRY(open_store(&a));

@@ -1,4 +1,5 @@
 /// The assembled operator: products with fields, and how far its rows scatter.
+#include "operator_constants.h"
 #include "transport_rows.h"
 
 void rsv_transport_destroy(rsv_transport *transport)
@@ -48,9 +49,6 @@ void rsv_transport_residual(const rsv_transport *t, size_t fields, const rsv_rgb
     t->table->residual(t, fields, exitance, source, irradiance, residual);
     rsv_division_share(t->division, residual, fields * sizeof *residual);
 }
-
-/// Less work than waking the threads takes.
-#define PARALLEL_ENTRIES 65536
 
 static rsv_rgb sum_row(const rsv_transport_row *row, size_t fields, const rsv_rgb *exitance)
 {
@@ -125,10 +123,6 @@ void rsv_transport_environment(
     }
     rsv_division_share(t->division, irradiance, sizeof *irradiance);
 }
-
-/// Measured standard deviation of stratified rows over that of as many independent rays: 0.52 at 64 rays, 0.40
-/// at 1024 (cornell-blocks).
-#define STRATIFIED 0.45f
 
 void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
     const rsv_rgb *bin_radiance, float *deviation)

@@ -27,7 +27,7 @@ typedef struct rsv_transport_row {
     size_t count, tinted_count;
 } rsv_transport_row;
 
-/// How rows are kept: as they were traced (stored_rows.c), or in any other way that offers these. Products leave rows of other
+/// How rows are kept: as they were traced (rows_stored.c), or in any other way that offers these. Products leave rows of other
 /// processes alone.
 typedef struct rsv_transport_table {
     /// Frees all but what rsv_transport lists.
@@ -67,18 +67,29 @@ RSV_INLINE rsv_transport_row rsv_transport_row_at(const rsv_transport *transport
     return transport->table->row(transport, row);
 }
 
+/// What rows are traced of; borrowed.
+typedef struct rsv_transport_desc {
+    const rsv_transport_scene *scene; ///< with what is known from before (update)
+    const rsv_lights *lights;         ///< tell which emitters rows gather
+    const rsv_elements *elements;
+    const uint16_t *
+        valid_points; ///< [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points and the seed
+    uint32_t rays; ///< per row, a power of two >= 16
+    uint32_t seed;
+} rsv_transport_desc;
+
 /// Traces the rows of all free nodes that are not buried; in a team, those of this process's part. Products with fields
 /// come out whole in all of them all the same.
-/// @param valid_points [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points and the same seed
-/// @param rays per row, a power of two >= 16
-rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
-    rsv_transport **transport);
-/// Traces the first-hit rays of all rows and does nothing with them: what rsv_transport_create could cost at
-/// best. @param seconds spent in the ray tracer, by packets and one by one, divided by the threads
-rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_elements *elements,
-    const uint16_t *valid_points, uint32_t rays, uint32_t seed, uint64_t *ray_count,
-    double *packet_seconds, double *single_seconds);
+rsv_status rsv_transport_create(const rsv_transport_desc *desc, rsv_transport **transport);
+
+/// What rays cost in the ray tracer alone.
+typedef struct rsv_ray_cost {
+    uint64_t rays;
+    double packet_seconds, single_seconds; ///< in packets and one by one, divided by the threads
+} rsv_ray_cost;
+
+/// Traces the first-hit rays of all rows and does nothing with them: what rsv_transport_create could cost at best.
+rsv_status rsv_transport_trace_only(const rsv_transport_desc *desc, rsv_ray_cost *cost);
 
 void rsv_transport_destroy(rsv_transport *transport);
 

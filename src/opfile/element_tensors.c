@@ -96,26 +96,17 @@ cleanup:
     return status;
 }
 
-static void place_of_node(const rsv_scene_view *scene, const rsv_elements *e, uint32_t node,
-    rsv_vec3 *position, rsv_vec3 *normal)
-{
-    uint32_t support = e->support[e->support_begin[node]], face = e->cell[support / 4].face;
-    float u, v;
-    rsv_cell_corner(&e->cell[support / 4], (int)(support & 3), &u, &v);
-    rsv_surface_point point =
-        rsv_surface_point_at(scene, e->face_triangle[face], u, v, e->face_back[face]);
-    *position = point.position;
-    *normal = point.normal;
-}
-
 /// Places and normals, for those who read files without us.
 static rsv_status write_places(
     rsv_tensor_file *file, const rsv_scene_view *scene, const rsv_elements *e)
 {
     rsv_vec3 *position = rsv_alloc(e->context, e->node_count, sizeof *position);
     rsv_vec3 *normal = rsv_alloc(e->context, e->node_count, sizeof *normal);
-    for (size_t n = 0; position && normal && n < e->node_count; n++)
-        place_of_node(scene, e, (uint32_t)n, &position[n], &normal[n]);
+    for (size_t n = 0; position && normal && n < e->node_count; n++) {
+        rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
+        position[n] = point.position;
+        normal[n] = point.normal;
+    }
     rsv_status status =
         rsv_tensor_give(file, "position", RSV_TENSOR_F32, 3, e->node_count, position);
     if (status != RSV_OK) {

@@ -76,36 +76,37 @@ static const rsv_column environment_columns[] = {
 
 // ---- names ----------------------------------------------------------------------------------------
 
-/// Names that are fields of structs.
-static rsv_status write_struct_names(rsv_tensor_file *file, const char *note, const void *first,
-    size_t offset, size_t stride, size_t count)
+/// Names that are fields of structs. @param first of [count], `stride` bytes apart
+static rsv_status write_struct_names(
+    rsv_tensor_file *file, const char *note, const void *first, size_t stride, size_t count)
 {
     const char **name = rsv_alloc(file->context, count, sizeof *name);
     if (!name) return RSV_ERROR_MEMORY;
+    RSV_ASSERT(first || count == 0);
     for (size_t k = 0; k < count; k++)
-        name[k] = *(const char *const *)((const char *)first + k * stride + offset);
+        name[k] = *(const char *const *)((const char *)first + k * stride);
     rsv_status status = rsv_write_names(file, note, name, count);
     rsv_free(file->context, name);
     return status;
 }
 
-static rsv_status read_struct_names(rsv_tensor_file *file, const char *note, void *first,
-    size_t offset, size_t stride, size_t count, cJSON **list)
+static rsv_status read_struct_names(
+    rsv_tensor_file *file, const char *note, void *first, size_t stride, size_t count, cJSON **list)
 {
     const char **name = rsv_alloc(file->context, count, sizeof *name);
     if (!name) return RSV_ERROR_MEMORY;
     rsv_status status = rsv_read_names(file, note, count, name, list);
+    RSV_ASSERT(first || count == 0);
     for (size_t k = 0; status == RSV_OK && k < count; k++)
-        *(const char **)((char *)first + k * stride + offset) = name[k];
+        *(const char **)((char *)first + k * stride) = name[k];
     rsv_free(file->context, name);
     return status;
 }
 
 #define WRITE_NAMES(file, note, rows, count)                                                       \
-    write_struct_names(file, note, rows, offsetof(__typeof__(*(rows)), name), sizeof *(rows), count)
+    write_struct_names(file, note, (rows) ? &(rows)->name : NULL, sizeof *(rows), count)
 #define READ_NAMES(file, note, rows, count, list)                                                  \
-    read_struct_names(                                                                             \
-        file, note, rows, offsetof(__typeof__(*(rows)), name), sizeof *(rows), count, list)
+    read_struct_names(file, note, (rows) ? &(rows)->name : NULL, sizeof *(rows), count, list)
 
 // ---- where it is, and by which nodes --------------------------------------------------------------
 

@@ -112,17 +112,25 @@ void rsv_tensor_divide(
     tensor->whole_begin = whole;
 }
 
-static rsv_status take(rsv_tensor_file *file, const rsv_tensor *tensor, const char *name,
-    rsv_tensor_type type, size_t width, void **array, size_t *count)
+/// @param count RSV_ANY_COUNT, or how many rows there have to be
+static rsv_status check_shape(const rsv_tensor_file *file, const rsv_tensor *tensor,
+    const char *name, rsv_tensor_type type, size_t width, size_t count)
 {
     size_t rows = tensor->rank ? tensor->shape[0] : 0;
     bool shaped = width > 1 ? tensor->rank == 2 && tensor->shape[1] == width : tensor->rank == 1;
     if (tensor->type != type || !shaped)
         return rsv_tensor_fail(file, name, "is not of type %s with %zu numbers a row",
             rsv_tensor_type_name(type), width);
-    if (*count != RSV_ANY_COUNT && *count != rows)
-        return rsv_tensor_fail(file, name, "has %zu rows where %zu belong", rows, *count);
-    size_t row_bytes = width * rsv_tensor_type_bytes(type);
+    if (count != RSV_ANY_COUNT && count != rows)
+        return rsv_tensor_fail(file, name, "has %zu rows where %zu belong", rows, count);
+    return RSV_OK;
+}
+
+static rsv_status copy_rows(
+    rsv_tensor_file *file, const rsv_tensor *tensor, size_t width, void **array, size_t *count)
+{
+    size_t rows = tensor->rank ? tensor->shape[0] : 0;
+    size_t row_bytes = width * rsv_tensor_type_bytes(tensor->type);
     void *copy = rsv_alloc(file->context, rows, row_bytes);
     if (!copy) return RSV_ERROR_MEMORY;
     if (rows) memcpy(copy, tensor->data, rows * row_bytes);
@@ -144,7 +152,9 @@ rsv_status rsv_tensor_exchange_optional(rsv_tensor_file *file, const char *name,
     void **pointer = array;
     if (file->reading) {
         const rsv_tensor *tensor = rsv_tensor_find(file, name);
-        return tensor ? take(file, tensor, name, type, width, pointer, count) : RSV_OK;
+        if (!tensor) return RSV_OK;
+        rsv_status status = check_shape(file, tensor, name, type, width, *count);
+        return status == RSV_OK ? copy_rows(file, tensor, width, pointer, count) : status;
     }
     return *pointer ? borrow(file, name, type, width, *pointer, *count) : RSV_OK;
 }

@@ -1,5 +1,6 @@
 /// Plans by error. Everything follows from the picture's size, the wanted error and what pilots show: no clock is read, so a
 /// plan is the same on every machine.
+#include "../scene/scene.h"
 #include "pixel_error.h"
 #include "planner.h"
 
@@ -280,7 +281,7 @@ static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const
     if (r->camera >= rsv_scene_get_view(scene)->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "plan: camera %u does not exist, the scene has %zu",
             r->camera, rsv_scene_get_view(scene)->camera_count);
-    return RSV_OK;
+    return rsv_scene_refuse_fog(scene, "a planned picture");
 }
 
 static void begin(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_render_desc *picture,

@@ -6,8 +6,10 @@
 #define FIRST_ROULETTE_BOUNCE 5
 /// Ends even lossless paths. Above albedo^2 of anything that occurs, or the variance were infinite.
 #define LARGEST_SURVIVAL 0.999f
+/// In fog, paths of many thousand events bring light: a lossless slab of optical thickness t wants more than 1 - 3 / t^2.
+#define LARGEST_SURVIVAL_IN_FOG 0.9999f
 
-static void next_pair(rsv_path_numbers *numbers, float *x, float *y)
+void rsv_path_next_pair(rsv_path_numbers *numbers, float *x, float *y)
 {
     if (numbers->pairs_taken < QUASI_RANDOM_PAIRS) {
         uint32_t seed = rsv_hash2(numbers->id.stream, ++numbers->pairs_taken);
@@ -31,6 +33,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->bounces = path->diffuse_events = 0;
     path->pdf_solid_angle = path->passed = 0;
     path->light = light;
+    path->vertex.is_last = false;
 }
 
 /// Learns from the surface of a body what the ray has run through, and lets that absorb.
@@ -62,9 +65,9 @@ static void enter_surface(const rsv_path_tracer *tracer, const rsv_path_surface 
 static bool go_where_light_entered(rsv_light_path *path, const rsv_path_surface *entry)
 {
     float u_select, u_unused, light_u1, light_u2, u1, u2;
-    next_pair(&path->numbers, &u_select, &u_unused);
-    next_pair(&path->numbers, &light_u1, &light_u2);
-    next_pair(&path->numbers, &u1, &u2);
+    rsv_path_next_pair(&path->numbers, &u_select, &u_unused);
+    rsv_path_next_pair(&path->numbers, &light_u1, &light_u2);
+    rsv_path_next_pair(&path->numbers, &u1, &u2);
     rsv_path_gather_sources(path, entry, u_select, light_u1, light_u2);
 
     rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2), t, b;
@@ -75,7 +78,7 @@ static bool go_where_light_entered(rsv_light_path *path, const rsv_path_surface 
     path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry->bsdf, local.z));
     path->pdf_solid_angle = local.z / RSV_PI;
     path->passed = 0;
-    path->below = false;
+    path->below = path->vertex.is_last = false;
     path->diffuse_events++;
     path->departure = entry->point;
     path->ray = (rsv_ray){ rsv_path_surface_departure(entry, false, wi), wi, INFINITY };
@@ -100,12 +103,12 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
 }
 
 /// An event at a surface whose diffuse lobe has a normal of its own.
-static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, float u_lobe, float u1, float u2)
+static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, const float u[3])
 {
-    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
     if (event.lobe == RSV_LOBE_DIFFUSE) {
-        rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2);
+        rsv_vec3 local = rsv_square_to_cosine_hemisphere(u[1], u[2]);
         rsv_rgb entered = rgb_mul(s->bsdf->base_color, rsv_bsdf_entry(s->bsdf, local.z));
         sample.direction = rsv_from_frame(local, s->receiving);
         sample.weight = rgb_mul(sample.weight, entered);
@@ -118,12 +121,11 @@ static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, float u_lobe, fl
 }
 
 /// An event; the diffuse lobe of a translucent surface has no direction of its own.
-static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe, float u1, float u2)
+static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, const float u[3])
 {
-    if (!s->translucent && rsv_path_surface_turned(s)) return sample_turned(s, u_lobe, u1, u2);
-    if (!s->translucent)
-        return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
-    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    if (!s->translucent && rsv_path_surface_turned(s)) return sample_turned(s, u);
+    if (!s->translucent) return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
     // lights are aimed at for the rough lobes alone: weighed by the same density, the two add up to one
     if (sample.pdf_solid_angle > 0)
@@ -135,12 +137,12 @@ static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe,
 /// Gathers the sources and turns the path into a new direction; false where it ends.
 static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
 {
-    float u_select, u_lobe, light_u1, light_u2, u1, u2;
-    next_pair(&path->numbers, &u_select, &u_lobe);
-    next_pair(&path->numbers, &light_u1, &light_u2);
-    next_pair(&path->numbers, &u1, &u2);
+    float u_select, light_u1, light_u2, u[3];
+    rsv_path_next_pair(&path->numbers, &u_select, &u[0]);
+    rsv_path_next_pair(&path->numbers, &light_u1, &light_u2);
+    rsv_path_next_pair(&path->numbers, &u[1], &u[2]);
     rsv_path_gather_sources(path, s, u_select, light_u1, light_u2);
-    rsv_bsdf_sample sample = sample_direction(s, u_lobe, u1, u2);
+    rsv_bsdf_sample sample = sample_direction(s, u);
     if (sample.lobe == RSV_LOBE_NONE) return false;
     if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
         return scatter_below(path, s, sample.weight);
@@ -151,6 +153,7 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     path->pdf_solid_angle = path->aimed[transmitted] ? sample.pdf_solid_angle : 0;
     path->passed = 0;
     path->below = transmitted;
+    path->vertex.is_last = false;
     path->medium = rsv_path_medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
@@ -162,7 +165,8 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
 static bool survives_roulette(rsv_light_path *path)
 {
     if (++path->bounces < FIRST_ROULETTE_BOUNCE) return true;
-    float survival = f_min(rgb_max(path->throughput), LARGEST_SURVIVAL);
+    float largest = path->vertex.is_last ? LARGEST_SURVIVAL_IN_FOG : LARGEST_SURVIVAL;
+    float survival = f_min(rgb_max(path->throughput), largest);
     if (rsv_random_float(&path->numbers.random) >= survival) return false;
     path->throughput = rgb_scale(path->throughput, 1 / survival);
     return true;
@@ -179,16 +183,29 @@ static bool passes(rsv_light_path *path, const rsv_path_surface *s, float distan
     return true;
 }
 
+/// Whether the ray runs through the air on its way to what it has met, if anything.
+static bool is_in_air(const rsv_light_path *path, const rsv_path_surface *met)
+{
+    bool inside = met && met->bsdf->solid && !met->front;
+    return path->medium.depth == 0 && !inside;
+}
+
 static void follow(rsv_light_path *path)
 {
-    rsv_hit hit;
+    rsv_hit hit = { .t = INFINITY };
     for (;;) {
-        if (!rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit)) {
+        rsv_path_surface s;
+        bool met = rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit);
+        if (met) rsv_path_surface_meet(path->tracer, &path->ray, &hit, &s);
+        if (path->tracer->fog && is_in_air(path, met ? &s : NULL)) {
+            rsv_fog_outcome outcome = rsv_path_cross_fog(path, met ? hit.t : INFINITY);
+            if (outcome == RSV_FOG_SCATTERED && survives_roulette(path)) continue;
+            if (outcome != RSV_FOG_PASSED) return;
+        }
+        if (!met) {
             rsv_path_add_environment(path);
             return;
         }
-        rsv_path_surface s;
-        rsv_path_surface_meet(path->tracer, &path->ray, &hit, &s);
         cross_medium(path, &s);
         if (passes(path, &s, hit.t)) {
             if (!survives_roulette(path)) return;

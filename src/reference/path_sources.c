@@ -9,11 +9,17 @@ static float power_heuristic(float own, float other)
     return 1 / (1 + ratio * ratio);
 }
 
-static void add_light(rsv_light_path *path, uint32_t diffuse_events, rsv_rgb radiance)
+static void add_throughput(
+    rsv_light_path *path, uint32_t diffuse_events, rsv_rgb throughput, rsv_rgb radiance)
 {
     rsv_rgb *order = path->light->order;
     order += diffuse_events < RSV_PATH_ORDERS ? diffuse_events : RSV_PATH_ORDERS - 1;
-    *order = rgb_add(*order, rgb_mul(path->throughput, radiance));
+    *order = rgb_add(*order, rgb_mul(throughput, radiance));
+}
+
+static void add_light(rsv_light_path *path, uint32_t diffuse_events, rsv_rgb radiance)
+{
+    add_throughput(path, diffuse_events, path->throughput, radiance);
 }
 
 /// Radiance at the path's start per radiance of a source in `medium`, at that distance from the path's
@@ -23,6 +29,23 @@ static rsv_rgb from_source(const rsv_light_path *path, const rsv_medium *medium,
     const rsv_bsdf *bsdf = path->tracer->bsdf;
     float ratio = path->start_ior / rsv_medium_ior(medium, bsdf);
     return rgb_scale(rsv_medium_transmittance(medium, bsdf, distance), ratio * ratio);
+}
+
+/// The same of a source seen from `point` along `direction`.
+static rsv_rgb from_source_at(const rsv_light_path *path, const rsv_medium *medium, rsv_vec3 point,
+    rsv_vec3 direction, float distance)
+{
+    rsv_rgb arriving = from_source(path, medium, distance);
+    const rsv_fog *fog = path->tracer->fog;
+    if (!fog || medium->depth) return arriving;
+    return rgb_mul(arriving, rsv_path_fog_transmittance(fog, point, direction, distance));
+}
+
+void rsv_path_add_light(
+    rsv_light_path *path, uint32_t diffuse_events, rsv_rgb throughput, rsv_rgb radiance)
+{
+    rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), radiance);
+    add_throughput(path, diffuse_events, throughput, arriving);
 }
 
 rsv_medium rsv_path_medium_beside(const rsv_light_path *path, const rsv_path_surface *s, bool below)
@@ -43,7 +66,9 @@ void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, floa
     if (!s->front && !emitter->double_sided) return;
 
     float weight = 1;
-    if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
+    if (path->vertex.is_last)
+        weight = rsv_fog_emission_weight(path, index, s->point);
+    else if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
         float pdf_light = rsv_local_lights_pdf(
             &path->local[path->below], index, path->ray.direction, path->passed + distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
@@ -59,7 +84,9 @@ void rsv_path_add_environment(rsv_light_path *path)
     rsv_vec3 direction = v3_normalize(path->ray.direction);
     rsv_rgb radiance = rsv_sky_radiance(&environment->whole, direction);
     float weight = 1;
-    if (path->pdf_solid_angle > 0)
+    if (path->vertex.is_last)
+        weight = rsv_fog_sky_weight(path, direction);
+    else if (path->pdf_solid_angle > 0)
         weight = power_heuristic(
             path->pdf_solid_angle, rsv_local_lights_sky_pdf(&path->local[path->below], direction));
     rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), radiance);
@@ -98,7 +125,9 @@ static void add_emitter_sample(
     if (rgb_is_black(seen)) return;
     float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
-    rsv_rgb arriving = rgb_mul(from_source(path, &medium, sample.distance), sample.radiance);
+    rsv_rgb arriving =
+        rgb_mul(from_source_at(path, &medium, s->point, sample.direction, sample.distance),
+            sample.radiance);
     arriving = rgb_mul(arriving, seen);
     add_scattered(path, rgb_scale(arriving, weight), diffuse.response, rough.response);
 }
@@ -115,7 +144,8 @@ static void add_punctual_light(
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
     rsv_rgb arriving =
         rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));
-    arriving = rgb_mul(arriving, from_source(path, &medium, light->distance));
+    arriving = rgb_mul(
+        arriving, from_source_at(path, &medium, s->point, light->direction, light->distance));
     add_scattered(path, arriving, diffuse.response, rough.response);
 }
 

@@ -7,6 +7,7 @@
 #ifndef RSV_PATH_SOURCES_H
 #define RSV_PATH_SOURCES_H
 
+#include "path_fog.h"
 #include "path_surface.h"
 
 typedef struct rsv_path_numbers {
@@ -35,7 +36,15 @@ typedef struct rsv_light_path {
     bool aimed[2]; ///< whether they are set
     bool below;
     rsv_path_light *light;
+    rsv_fog_vertex vertex; ///< where it was last scattered in fog
 } rsv_light_path;
+
+/// Another pair of the path's random numbers in [0, 1).
+void rsv_path_next_pair(rsv_path_numbers *numbers, float *x, float *y);
+
+/// Adds radiance of a source in the path's medium, or of what scatters its light there.
+void rsv_path_add_light(
+    rsv_light_path *path, uint32_t diffuse_events, rsv_rgb throughput, rsv_rgb radiance);
 
 /// The medium on either side of a surface that the path has come to.
 rsv_medium rsv_path_medium_beside(

@@ -52,6 +52,8 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
     tracer->media = rsv_media_of(tracer->scene, tracer->tracer, tracer->bsdf);
+    tracer->fog = tracer->scene->fog;
+    if (tracer->fog) RSV_TRY(rsv_fog_lights_create(context, tracer->lights, &tracer->fog_lights));
     tracer->blended = rsv_find_blended(tracer->scene);
     RSV_TRY(rsv_bodies_create(scene, tracer->tracer, &tracer->bodies));
     warn_of_unreachable_caustics(tracer);
@@ -67,6 +69,7 @@ void rsv_path_tracer_destroy(rsv_path_tracer *tracer)
     if (!tracer) return;
     rsv_bodies_destroy(tracer->bodies);
     rsv_tracer_destroy(tracer->tracer);
+    if (tracer->fog) rsv_fog_lights_destroy(&tracer->fog_lights);
     rsv_lights_destroy(tracer->lights);
     rsv_free(tracer->context, tracer->bsdf);
     rsv_free(tracer->context, tracer);

@@ -5,6 +5,7 @@
 #include "../sources/lights.h"
 #include "../surface/medium.h"
 #include "../surface/surface.h"
+#include "fog_lights.h"
 #include "resolvent/trace.h"
 #include "subsurface.h"
 
@@ -17,6 +18,8 @@ typedef struct rsv_path_tracer {
     rsv_lights *lights;
     rsv_bodies *bodies; ///< translucent ones
     rsv_media media;
+    const rsv_fog *fog; ///< the scene's; NULL = clear air
+    rsv_fog_lights fog_lights;
     bool blended; ///< some surfaces do not cover all that is behind them
 } rsv_path_tracer;
 

@@ -68,14 +68,22 @@ typedef struct probe {
     uint32_t body;
 } probe;
 
+/// How a probe is drawn. Numbers lie in [0, 1).
+typedef struct probe_draw {
+    int axis, channel;
+    float u_radius, u_angle;
+} probe_draw;
+
 static bool aim_probe(const rsv_bodies *b, const rsv_body_point *exit, const probe_frame *frame,
-    int axis, int c, float u_radius, float u_angle, probe *result)
+    const probe_draw *draw, probe *result)
 {
+    int axis = draw->axis;
     const rsv_scatter_profile *profile = profile_of(b, exit->triangle);
     float reach = REACH * rsv_scatter_profile_widest(profile);
-    float r = (float)rsv_diffusion_sample_radius((double)profile->d[c], (double)u_radius);
+    float r = (float)rsv_diffusion_sample_radius(
+        (double)profile->d[draw->channel], (double)draw->u_radius);
     if (r >= reach) return false;
-    float phi = 2 * RSV_PI * u_angle, half = sqrtf(reach * reach - r * r);
+    float phi = 2 * RSV_PI * draw->u_angle, half = sqrtf(reach * reach - r * r);
     rsv_vec3 along = frame->axis[axis];
     rsv_vec3 s = frame->axis[(axis + 1) % 3], t = frame->axis[(axis + 2) % 3];
     rsv_vec3 centre = v3_mad(v3_mad(exit->point, r * cosf(phi), s), r * sinf(phi), t);
@@ -114,11 +122,11 @@ static rsv_rgb probe_sum(const rsv_bodies *b, const rsv_body_point *at, uint32_t
     rsv_rgb sum = rgb_gray(0);
     for (uint32_t k = 0; k < PROBES; k++) {
         uint32_t stratum = k % 12;
-        float x, y;
-        rsv_sobol_2d(k / 12, rsv_hash2(stream, stratum), &x, &y);
+        probe_draw draw = { .axis = axes[stratum % 4], .channel = (int)(stratum / 4) };
+        rsv_sobol_2d(k / 12, rsv_hash2(stream, stratum), &draw.u_radius, &draw.u_angle);
         probe p;
         rsv_body_point found;
-        if (!aim_probe(b, at, &frame, axes[stratum % 4], (int)(stratum / 4), x, y, &p)) continue;
+        if (!aim_probe(b, at, &frame, &draw, &p)) continue;
         for (int hits = 0; hits < MAX_HITS && next_hit(b, &p, &found); hits++)
             sum = rgb_add(sum, share_of(b, at, &frame, &found));
     }
@@ -313,11 +321,13 @@ bool rsv_bodies_sample_entry(const rsv_bodies *b, const rsv_body_point *exit, rs
     rsv_body_point *entry, rsv_rgb *weight)
 {
     probe_frame frame = frame_at(exit);
-    float choice = rsv_random_float(random), x = rsv_random_float(random);
-    int axis = choice < 0.5f ? 0 : choice < 0.75f ? 1 : 2;
-    int c = (int)(3 * rsv_random_float(random));
+    float choice = rsv_random_float(random);
+    probe_draw draw = { .axis = choice < 0.5f ? 0 : choice < 0.75f ? 1 : 2 };
+    draw.u_radius = rsv_random_float(random);
+    draw.channel = (int)(3 * rsv_random_float(random));
+    draw.u_angle = rsv_random_float(random);
     probe p;
-    if (!aim_probe(b, exit, &frame, axis, c, x, rsv_random_float(random), &p)) return false;
+    if (!aim_probe(b, exit, &frame, &draw, &p)) return false;
     rsv_body_point found;
     int hits = 0;
     while (hits < MAX_HITS && next_hit(b, &p, &found))

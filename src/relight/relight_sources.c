@@ -253,11 +253,13 @@ static rsv_status keep_receivers(rsv_relighter *r)
     const rsv_light_view *s = r->s;
     rsv_status status = RSV_OK;
     if (!r->coarse)
-        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
-            s->valid_points, r->moves, &r->coarse));
+        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->elements,
+            (rsv_support_draw){ RSV_SUPPORT_POINTS, s->desc.seed }, s->valid_points, r->moves,
+            &r->coarse));
     if (!r->fine && s->fine.elements)
-        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->fine.elements, RSV_LEVEL_POINTS,
-            rsv_level_seed(s->desc.seed), r->valid, r->moves, &r->fine));
+        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->fine.elements,
+            (rsv_support_draw){ RSV_LEVEL_POINTS, rsv_level_seed(s->desc.seed) }, r->valid,
+            r->moves, &r->fine));
 cleanup:
     return status;
 }

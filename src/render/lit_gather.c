@@ -55,9 +55,10 @@ static rsv_bsdf_event draw(traveller *t, const rsv_rough_surface *s)
     if (opacity < 1 && rsv_random_float(t->random) >= opacity)
         return rsv_event(RSV_LOBE_PASS, t->path.direction, rgb_gray(1));
     t->departure = (rsv_rough_departure){ .shot = t->shot };
-    float u_lobe = rsv_random_float(t->random), u1 = rsv_random_float(t->random);
-    rsv_bsdf_event event = rsv_bsdf_draw_event(
-        s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, rsv_random_float(t->random));
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(t->random);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     if (event.lobe == RSV_LOBE_DIFFUSE || !s->bsdf->rough) return event;
     float specular = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
     if (specular * opacity > 0) add_aimed(t, s, specular * opacity);

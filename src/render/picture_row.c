@@ -57,8 +57,8 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
         rsv_picture_add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
         return;
     }
-    rsv_specular_path path = rsv_specular_begin(&job->solution->scene, &job->medium, direction,
-        packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
+    rsv_specular_path path = rsv_specular_begin(
+        &job->solution->scene, &job->medium, direction, rsv_packet_hit(packet, k));
     rsv_specular_set_spread(&path, spread_of(r), packet->t_max[k]);
     rsv_rgb emission =
         rsv_camera_path(&job->setting, path, rsv_hash2(r->sample.seed, r->sample.index),

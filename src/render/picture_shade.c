@@ -111,8 +111,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         if (v3_dot(direction, point->horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
-        rsv_specular_path first = rsv_specular_begin(
-            &s->scene, &path->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_specular_path first = rsv_specular_begin(&s->scene, &path->medium, ray.direction, hit);
         rsv_gather gather = rsv_specular_gather(&s->scene, first, &random, no_emission, NULL);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
         if (gather.end == RSV_SPECULAR_DIFFUSE)

@@ -45,8 +45,7 @@ static void find_surface(receiver *r)
     if (!s->caustics.caustic || r->job->gather_caustics ||
         !rsv_tracer_closest(s->tracer, &ray, &hit))
         return;
-    rsv_specular_path path =
-        rsv_specular_begin(&s->scene, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path path = rsv_specular_begin(&s->scene, NULL, ray.direction, hit);
     uint32_t face = s->elements->face_of[path.back][hit.triangle];
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, path.back);
@@ -160,8 +159,8 @@ static void note_stored(
     if (!r->job->noise) return;
     float share = rgb_luminance(rgb_mul(end->weight, bsdf->base_color));
     float rays = (float)(GROUPS * r->job->gather_rays);
-    rsv_shared_noise_add(
-        &r->shared, r->job->noise, face, end->u, end->v, share / rays, rgb_luminance(stored));
+    const rsv_stored_lookup found = { face, end->u, end->v, share / rays, rgb_luminance(stored) };
+    rsv_shared_noise_add(&r->shared, r->job->noise, &found);
 }
 
 static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
@@ -171,8 +170,7 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit))
         return rsv_gathering_sky(s->lights, direction, 0, r->has_caustic);
-    rsv_specular_path first =
-        rsv_specular_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first = rsv_specular_begin(&s->scene, &r->medium, direction, hit);
     // the stored caustic holds what photons bring
     rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
     rsv_rgb radiance = gather.emission;
@@ -288,28 +286,33 @@ static rsv_probe_reading look_up(
     return reading;
 }
 
-rsv_status rsv_probe_irradiance(const rsv_light *light, rsv_probe_mode mode,
-    const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
-    rsv_probe_reading *readings)
+rsv_probe_desc rsv_default_probe_desc(void)
+{
+    return (rsv_probe_desc){ .mode = RSV_PROBE_OPERATOR, .samples = 4096 };
+}
+
+rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *desc,
+    const rsv_probe *probes, size_t probe_count, rsv_probe_reading *readings)
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_context *context = solution->context;
-    if (mode == RSV_PROBE_REFERENCE)
+    bool lookup = desc->mode == RSV_PROBE_LOOKUP;
+    if (desc->mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(
-            solution->scene.scene, probes, probe_count, samples, seed, readings);
+            solution->scene.scene, probes, probe_count, desc->samples, desc->seed, readings);
     rsv_status status = rsv_check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
-    rsv_probe_job job = rsv_probe_job_of(solution, samples, seed, true);
+    rsv_probe_job job = rsv_probe_job_of(solution, desc->samples, desc->seed, true);
     rsv_stored_noise noise;
-    status = rsv_stored_noise_create(solution, mode == RSV_PROBE_LOOKUP, &noise);
+    status = rsv_stored_noise_create(solution, lookup, &noise);
     if (status != RSV_OK) return status;
     job.noise = &noise;
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (size_t k = 0; k < probe_count; k++) {
         if (rsv_cancelled(context)) continue;
-        readings[k] = mode == RSV_PROBE_LOOKUP ? look_up(solution, &noise, &probes[k])
-                                               : rsv_probe_read(&job, &probes[k], (uint32_t)k);
+        readings[k] = lookup ? look_up(solution, &noise, &probes[k])
+                             : rsv_probe_read(&job, &probes[k], (uint32_t)k);
         size_t finished;
 #pragma omp atomic capture
         finished = ++done;

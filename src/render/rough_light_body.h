@@ -39,8 +39,7 @@ RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *s, rsv_vec3 wi)
 
 RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *s, const float u[3])
 {
-    rsv_bsdf_event event =
-        rsv_bsdf_draw_specular(s->bsdf, s->wo, s->normal, s->front, u[0], u[1], u[2]);
+    rsv_bsdf_event event = rsv_bsdf_draw_specular(s->bsdf, s->wo, s->normal, s->front, u);
     event.weight = rgb_scale(event.weight, s->bsdf->opacity);
     return event;
 }

@@ -79,8 +79,8 @@ static bool join(
         rsv_surface_point_at(scene->view, end->triangle, end->u, end->v, end->back);
     if (end->events >= job->desc->path_depth || !in_picture(job, point.position, view))
         return false;
-    *seen = rsv_specular_begin(
-        scene, job->medium, view->direction, end->triangle, end->u, end->v, view->distance);
+    *seen = rsv_specular_begin(scene, job->medium, view->direction,
+        (rsv_hit){ end->triangle, view->distance, end->u, end->v });
     rsv_specular_set_spread(seen, job->spread, view->distance);
     rsv_bsdf storage;
     return rsv_rough_is_wide(rsv_specular_bsdf(scene, seen, &storage)) &&

@@ -187,18 +187,18 @@ static void add_nodes(float sum[RSV_NOISE_SUMS], const rsv_elements *e, const rs
     }
 }
 
-void rsv_shared_noise_add(rsv_shared_noise *sums, const rsv_stored_noise *noise, uint32_t face,
-    float u, float v, float share, float light)
+void rsv_shared_noise_add(
+    rsv_shared_noise *sums, const rsv_stored_noise *noise, const rsv_stored_lookup *found)
 {
     const rsv_light_view *s = noise->solution;
     const rsv_elements *level[2] = { s->elements, s->caustics.elements };
-    sums->all += (double)share;
-    sums->light += (double)(share * light);
+    sums->all += (double)found->share;
+    sums->light += (double)(found->share * found->light);
     for (int k = 0; k < (noise->caustic ? 2 : 1); k++) {
         float weight[3];
-        uint32_t cell = rsv_elements_locate(level[k], face, u, v, weight);
+        uint32_t cell = rsv_elements_locate(level[k], found->face, found->u, found->v, weight);
         for (int corner = 0; corner < 3; corner++)
-            weight[corner] *= share;
+            weight[corner] *= found->share;
         add_nodes(k ? sums->caustic : sums->stored, level[k], k ? noise->caustic : noise->stored,
             cell, weight);
     }

@@ -41,10 +41,16 @@ typedef struct rsv_shared_noise {
     double light; ///< luminance of the reading that they bring
 } rsv_shared_noise;
 
-/// A ray that ends at a surface. @param share luminance of the reading by that of the surface's light
-/// @param light luminance that is stored there
-void rsv_shared_noise_add(rsv_shared_noise *sums, const rsv_stored_noise *noise, uint32_t face,
-    float u, float v, float share, float light);
+/// A ray that ends at a surface.
+typedef struct rsv_stored_lookup {
+    uint32_t face;
+    float u, v;
+    float share; ///< luminance of the reading by that of the surface's light
+    float light; ///< luminance that is stored there
+} rsv_stored_lookup;
+
+void rsv_shared_noise_add(
+    rsv_shared_noise *sums, const rsv_stored_noise *noise, const rsv_stored_lookup *found);
 
 /// Variance of the reading's luminance.
 double rsv_shared_noise_variance(const rsv_shared_noise *sums, const rsv_stored_noise *noise);

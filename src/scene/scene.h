@@ -76,6 +76,7 @@ struct rsv_scene {
     size_t uv_capacity[2], tangent_capacity, color_capacity;
 
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
+    rsv_fog fog;                 ///< its box found; the view points here where there is any
     rsv_scene_document document; ///< of a variant, its base's counts
 
     struct rsv_twins_owner *twins; ///< NULL = no two faces lie in the same place
@@ -110,6 +111,9 @@ static inline bool rsv_scene_is_far(const rsv_scene *scene)
 {
     return scene->origin[0] != 0 || scene->origin[1] != 0 || scene->origin[2] != 0;
 }
+
+/// RSV_ERROR_UNSUPPORTED where the scene has fog. @param what will not go on: "a solution"
+rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what);
 
 /// Brings every value into its range, with one warning that names the material.
 void rsv_material_clamp(const rsv_context *context, rsv_material *material);

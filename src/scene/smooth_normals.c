@@ -201,21 +201,21 @@ void rsv_smooth_mesh_release(rsv_context *context, rsv_smooth_mesh *smooth)
     *smooth = (rsv_smooth_mesh){ 0 };
 }
 
-rsv_status rsv_smooth_normals(rsv_context *context, const rsv_vec3 *position, size_t vertex_count,
-    const uint32_t *index, size_t triangle_count, float crease_angle, rsv_smooth_mesh *smooth)
+rsv_status rsv_smooth_normals(
+    rsv_context *context, const rsv_mesh_desc *mesh, float crease_angle, rsv_smooth_mesh *smooth)
 {
     rsv_status status;
     smoother s = { .context = context,
-        .position = position,
-        .index = index,
-        .vertex_count = vertex_count,
-        .triangle_count = triangle_count,
+        .position = mesh->positions,
+        .index = mesh->indices,
+        .vertex_count = mesh->vertex_count,
+        .triangle_count = mesh->triangle_count,
         .crease_cosine = crease_angle >= RSV_PI ? -2 : cosf(crease_angle) };
     RSV_TRY(allocate(&s));
     RSV_TRY(weld(&s));
     find_face_normals(&s);
     RSV_TRY(allocate_star(&s, list_corners(&s)));
-    for (size_t v = 0; v < vertex_count; v++) {
+    for (size_t v = 0; v < s.vertex_count; v++) {
         const uint32_t *corner = &s.corner[s.begin[v]];
         size_t count = s.begin[v + 1] - s.begin[v];
         group_corners(&s, corner, count);

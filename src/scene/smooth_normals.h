@@ -16,10 +16,10 @@ typedef struct rsv_smooth_mesh {
 /// a vertex is the mean over those that do around it, weighted by their angles there (Thürmer and
 /// Wüthrich 1998), so that it does not depend on how faces are cut into triangles. Vertices count as one where
 /// their positions agree to the last bit.
-/// @param index [3 * triangle_count], each below vertex_count
+/// @param mesh its positions and indices, each below its vertex_count
 /// @param crease_angle radians; pi or more = smooth everywhere
-rsv_status rsv_smooth_normals(rsv_context *context, const rsv_vec3 *position, size_t vertex_count,
-    const uint32_t *index, size_t triangle_count, float crease_angle, rsv_smooth_mesh *smooth);
+rsv_status rsv_smooth_normals(
+    rsv_context *context, const rsv_mesh_desc *mesh, float crease_angle, rsv_smooth_mesh *smooth);
 
 void rsv_smooth_mesh_release(rsv_context *context, rsv_smooth_mesh *smooth);
 

@@ -114,23 +114,23 @@ static double height_at(const flat_triangle *t, double x, double y)
     return (1 - u - v) * t->height[0] + u * t->height[1] + v * t->height[2];
 }
 
-bool rsv_twins_overlap(const rsv_scene_view *scene, uint32_t a, uint32_t b, rsv_vec3 normal_a,
-    rsv_vec3 normal_b, float reach, rsv_twin_overlap *overlap)
+bool rsv_twins_overlap(const rsv_scene_view *scene, rsv_twin_face a, rsv_twin_face b, float reach,
+    rsv_twin_overlap *overlap)
 {
-    rsv_vec3 n = normal_a;
+    rsv_vec3 n = a.normal;
     int drop = fabsf(n.x) > fabsf(n.y) ? (fabsf(n.x) > fabsf(n.z) ? 0 : 2)
                                        : (fabsf(n.y) > fabsf(n.z) ? 1 : 2);
-    rsv_vec3 from = scene->position[scene->triangle[a][0]];
-    flat_triangle other = flatten(scene, b, from, n, drop);
+    rsv_vec3 from = scene->position[scene->triangle[a.triangle][0]];
+    flat_triangle other = flatten(scene, b.triangle, from, n, drop);
     double low = fmin(other.height[0], fmin(other.height[1], other.height[2]));
     double high = fmax(other.height[0], fmax(other.height[1], other.height[2]));
     if (low > (double)reach || high < -(double)reach) return false;
-    flat_triangle own = flatten(scene, a, from, n, drop);
+    flat_triangle own = flatten(scene, a.triangle, from, n, drop);
     double margin = NARROW * fmin(width_of(&own), width_of(&other)), x, y;
     if (has_beyond(&own, &other, margin) || has_beyond(&other, &own, margin) ||
         !find_middle(&own, &other, &x, &y))
         return false;
-    overlap->opposite = v3_dot(normal_a, normal_b) < 0;
+    overlap->opposite = v3_dot(a.normal, b.normal) < 0;
     overlap->gap = fabs(height_at(&other, x, y) - height_at(&own, x, y));
     return overlap->gap <= (double)reach;
 }

@@ -8,6 +8,12 @@
 /// are inexact by a part of their size).
 #define RSV_TWIN_PARALLEL 0.95f
 
+/// A triangle and its unit normal.
+typedef struct rsv_twin_face {
+    uint32_t triangle;
+    rsv_vec3 normal;
+} rsv_twin_face;
+
 /// How two triangles lie that cover each other somewhere.
 typedef struct rsv_twin_overlap {
     bool opposite; ///< they turn opposite ways
@@ -15,9 +21,9 @@ typedef struct rsv_twin_overlap {
 } rsv_twin_overlap;
 
 /// Triangles that merely share an edge or a corner, but for rounding, do not overlap.
-/// @param normal_a, normal_b unit, of triangles that are parallel by RSV_TWIN_PARALLEL
+/// @param a, b parallel by RSV_TWIN_PARALLEL
 /// @param reach metres that their planes may lie apart
-bool rsv_twins_overlap(const rsv_scene_view *scene, uint32_t a, uint32_t b, rsv_vec3 normal_a,
-    rsv_vec3 normal_b, float reach, rsv_twin_overlap *overlap);
+bool rsv_twins_overlap(const rsv_scene_view *scene, rsv_twin_face a, rsv_twin_face b, float reach,
+    rsv_twin_overlap *overlap);
 
 #endif

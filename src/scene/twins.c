@@ -77,14 +77,14 @@ static void flag_twin(const finder *f, uint32_t triangle, bool opposite)
 static void compare(const finder *f, uint32_t a, uint32_t b, leaf_search *s)
 {
     rsv_twin_overlap overlap;
-    uint32_t face_a = f->tree.face[a], face_b = f->tree.face[b];
     const face_box *box_a = &f->box[a], *box_b = &f->box[b];
     float rounding = f_max(box_a->rounding, box_b->rounding);
     float reach = f_max(f_min(box_a->reach, box_b->reach), rounding);
-    if (!rsv_twins_overlap(f->view, face_a, face_b, box_a->normal, box_b->normal, reach, &overlap))
-        return;
-    flag_twin(f, face_a, overlap.opposite);
-    flag_twin(f, face_b, overlap.opposite);
+    const rsv_twin_face face_a = { f->tree.face[a], box_a->normal };
+    const rsv_twin_face face_b = { f->tree.face[b], box_b->normal };
+    if (!rsv_twins_overlap(f->view, face_a, face_b, reach, &overlap)) return;
+    flag_twin(f, face_a.triangle, overlap.opposite);
+    flag_twin(f, face_b.triangle, overlap.opposite);
     s->found++;
     s->apart |= overlap.gap > 0.25 * (double)rounding;
 }

@@ -81,6 +81,7 @@ rsv_status rsv_scene_vary(const rsv_scene *base, rsv_scene **result)
     variant->view.material = variant->material;
     variant->view.light = variant->light;
     variant->view.environment = variant->environment.pixels ? &variant->environment : NULL;
+    variant->view.fog = base->view.fog ? &variant->fog : NULL;
     *result = variant;
     return RSV_OK;
 cleanup:

@@ -1,25 +1,11 @@
 #include "budget.h"
 
 #include "../core/team.h"
+#include "solve_constants.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
-
-/// What elements take while they are made: the coarser ones beside the finer ones, and tables of nodes.
-#define MAKING_ELEMENTS 3
-/// Bytes per triangle of elements on a mesh that needs no splits.
-#define BYTES_PER_TRIANGLE 150
-/// Bytes per cell of a level in the making.
-#define BYTES_PER_CELL 250
-/// What the process takes besides, however small the scene: code that is run for the first time, stacks, a small picture.
-#define BESIDES ((size_t)4 << 20)
-/// Part of the memory left that is planned for: the rest is for what no plan foresees.
-#define PLANNED 0.85
-/// Part of it for the levels of direct light and caustics.
-#define LEVELS 0.3
-/// Rows of fewer rays are noisier than larger elements are wrong.
-#define FEWEST_RAYS 256
 
 /// Memory that the process occupies now; 0 where the system does not say.
 static size_t resident_bytes(void)

@@ -6,17 +6,12 @@
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
+#include "solve_constants.h"
 #include "solve_desc.h"
 #include "solve_update.h"
 #include "source.h"
 
 #include <string.h>
-
-/// Where budgets are exceeded, elements grow by this factor at most at a time; always by it, and no pilot splits them, as
-/// soon as a step leaves more than this part of them.
-#define LARGEST_STEP 4.0f
-#define LEAST_PROGRESS 0.95
-#define SPACINGS_TRIED 7 ///< in search of the fewest elements
 
 // ---- elements and rows ----------------------------------------------------------------------------
 
@@ -117,12 +112,13 @@ rsv_status rsv_builder_trace(
     rsv_builder *b, const uint16_t *valid_points, uint32_t rays, rsv_operator **op)
 {
     const rsv_operator_desc desc = { .world = b->world,
-        .scene = &b->scene,
-        .lights = b->sources->lights,
         .elements = b->elements,
-        .valid_points = valid_points ? valid_points : b->valid_points,
-        .rays = rays,
-        .seed = b->desc.seed };
+        .rows = { .scene = &b->scene,
+            .lights = b->sources->lights,
+            .elements = b->elements,
+            .valid_points = valid_points ? valid_points : b->valid_points,
+            .rays = rays,
+            .seed = b->desc.seed } };
     rsv_status status = rsv_operator_trace(&desc, op);
     if (status != RSV_OK) return status;
     const rsv_transport *rows = rsv_operator_get_view(*op)->transport;

@@ -6,14 +6,7 @@
 #include "../elements/elements.h"
 #include "../update/kept_elements.h"
 #include "../update/update.h"
-
-/// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
-/// light changes quickly.
-#define CLUSTER_RADIUS 1.0f
-#define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
-
-/// Splits at contacts may add this many nodes times the root of those that were asked for: they lie along lines.
-#define CONTACT_NODES 300
+#include "solve_constants.h"
 
 /// Points are drawn by the numbers of nodes, which each split changes: none are known from earlier elements.
 static rsv_status find_valid_points(rsv_builder *b)
@@ -25,8 +18,9 @@ static rsv_status find_valid_points(rsv_builder *b)
     b->valid_points = rsv_alloc(b->context, nodes, sizeof *b->valid_points);
     RSV_TRY(known && b->valid_points ? RSV_OK : RSV_ERROR_MEMORY);
     if (history) RSV_TRY(rsv_kept_points(history, b->elements, b->valid_points, known));
-    RSV_TRY(rsv_find_buried(&b->scene, b->elements, RSV_SUPPORT_POINTS, b->desc.seed, known,
-        b->valid_points, &b->report.rays));
+    RSV_TRY(rsv_find_buried(&b->scene, b->elements,
+        (rsv_support_draw){ RSV_SUPPORT_POINTS, b->desc.seed }, known, b->valid_points,
+        &b->report.rays));
     b->kept.kept_elements = 0;
     for (size_t n = 0; n < nodes; n++)
         b->kept.kept_elements += known[n] && b->valid_points[n];
@@ -82,9 +76,6 @@ rsv_status rsv_coarse_elements_create(rsv_builder *b, float coarsening)
     return status == RSV_OK ? prepare_elements(b, NULL) : status;
 }
 
-/// Splits halve cells: they end up at most this much larger than wanted.
-#define GOAL_TOLERANCE 1.4f
-
 /// What chooses cells for a goal.
 typedef struct goal_chooser {
     const rsv_goal *goal;
@@ -99,7 +90,7 @@ static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         float wanted = e->spacing * rsv_goal_size_at(g->goal, e, c);
         split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
-                   sqrtf(2 * rsv_cell_area(e, c)) > GOAL_TOLERANCE * wanted &&
+                   sqrtf(2 * rsv_cell_area(e, c)) > RSV_GROWTH_TOLERANCE * wanted &&
                    !rsv_spacing_lets_grow(g->spacing, e, c);
     }
 }

@@ -6,16 +6,9 @@
 #include "../elements/follower.h"
 #include "../elements/open_corners.h"
 #include "light_internal.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-#define RECEIVER_POINTS 4
-/// Cells are split until they are this small against the narrowest d ...
-#define CELLS_PER_PROFILE 1.5f
-/// ... or this many times as many as the coarse elements.
-#define BUDGET 2
-/// Nodes of finer meshes follow leaders within this share of that size.
-#define CLUSTER_SHARE 0.7f
 
 static const rsv_material *face_material(const rsv_elements *e, uint32_t face)
 {
@@ -71,7 +64,7 @@ static float affordable_size(const rsv_light *s)
     double area = 0;
     for (uint32_t face = 0; face < e->face_count; face++)
         if (rsv_material_scatters_below(face_material(e, face))) area += (double)e->face_area[face];
-    return (float)sqrt(area / (BUDGET * (double)s->desc.element_target));
+    return (float)sqrt(area / (DIFFUSED_CELLS * (double)s->desc.element_target));
 }
 
 /// Marks cells of translucent faces that are larger than they should be; counts them.
@@ -144,16 +137,24 @@ static rsv_status create_entered(rsv_light *s)
     uint8_t *known = rsv_alloc(s->context, e->node_count, 1);
     rsv_rgb *entered = s->field.diffused.entered =
         rsv_alloc(s->context, e->node_count, sizeof *entered);
+    const rsv_direct_job job = { .scene = &s->scene,
+        .elements = e,
+        .setting = { s->sources->lights, s->scene.bsdf, DIFFUSED_POINTS,
+            s->desc.seed ^ 0x3c6ef372u },
+        .samples = 4 * s->desc.light_samples,
+        .valid_points = valid };
+    rsv_direct_light light = { .irradiance = entered };
     if (!valid || !known || !entered) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, NULL, valid, rays));
+    RSV_TRY(rsv_find_buried(
+        &s->scene, e, (rsv_support_draw){ DIFFUSED_POINTS, s->desc.seed }, NULL, valid, rays));
     RSV_TRY(rsv_elements_bridge_buried(s->field.diffused.elements, valid));
     for (uint32_t n = 0; n < e->node_count; n++)
         known[n] = !is_translucent_node(e, n);
-    RSV_TRY(rsv_direct_irradiance(&s->scene, s->sources->lights, e, RECEIVER_POINTS,
-        4 * s->desc.light_samples, s->desc.seed ^ 0x3c6ef372u, valid, known, entered, NULL, rays));
+    RSV_TRY(rsv_direct_irradiance(&job, known, &light));
+    *rays += light.rays;
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (!valid[n] || known[n]) continue;
         entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->field.gathered));

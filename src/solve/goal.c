@@ -2,15 +2,7 @@
 
 #include "../elements/elements.h"
 #include "../solver/linear_solver.h"
-
-/// Rays each way that weigh what is seen.
-#define PILOT_SIDE 128
-/// Relative residual of the adjoint solve.
-#define ACCURACY 1e-4
-/// Part of the typical density of importance from which on elements have their usual size.
-#define FULL_SIZE 0.5f
-/// Places each way at which a cell is asked for its size, at most.
-#define MOST_PLACES 4
+#include "solve_constants.h"
 
 rsv_status rsv_goal_importance(
     const rsv_operator *op, uint32_t max_orders, const rsv_rgb *weight, rsv_rgb *importance)
@@ -18,7 +10,7 @@ rsv_status rsv_goal_importance(
     rsv_transport_map *map = NULL;
     rsv_linear_report report;
     rsv_linear_desc desc = rsv_default_linear_desc(RSV_SOLVER_GMRES);
-    desc.relative = ACCURACY;
+    desc.relative = GOAL_ACCURACY;
     desc.max_applications = max_orders;
     rsv_status status;
     RSV_TRY(rsv_operator_map(op, 1, &map));
@@ -74,7 +66,7 @@ rsv_status rsv_goal_create(const rsv_operator *op, const rsv_solve_desc *desc, r
     rsv_rgb *weight = rsv_alloc(context, elements->node_count, sizeof *weight);
     rsv_rgb *importance = rsv_alloc(context, elements->node_count, sizeof *importance);
     if (!weight || !importance) goto cleanup;
-    RSV_TRY(rsv_goal_weights(op, &aim, PILOT_SIDE, desc->seed, weight));
+    RSV_TRY(rsv_goal_weights(op, &aim, GOAL_SIDE, desc->seed, weight));
     RSV_TRY(rsv_goal_importance(op, desc->max_orders, weight, importance));
     rsv_goal_density(elements, importance);
     set_sizes(elements, importance);

@@ -9,11 +9,6 @@
 
 #include "operator.h"
 
-/// Importance is learned on elements larger than usual by this.
-#define RSV_GOAL_LEARNED 2.0f
-/// Elements of a goal are larger than usual by this at most.
-#define RSV_GOAL_COARSEST 8.0f
-
 /// How much larger than usual elements may be.
 typedef struct rsv_goal {
     rsv_elements *elements; ///< where that was found out
@@ -39,6 +34,13 @@ rsv_status rsv_check_probes(const rsv_probe *probes, size_t count);
 /// @param side camera rays across and down; sensors share as many @param weight [node_count]
 rsv_status rsv_goal_weights(
     const rsv_operator *op, const rsv_goal_aim *aim, uint32_t side, uint32_t seed, rsv_rgb *weight);
+
+/// The same ray by ray. Adds what the radiance at a ray's diffuse end weighs. @param share of the goal that this radiance is
+void rsv_goal_weigh_end(
+    const rsv_operator_view *op, const rsv_specular_path *end, float share, rsv_rgb *weight);
+/// Then, once: from weights of what surfaces show to those of the irradiance that enters them, at free nodes (P* on translucent
+/// ones).
+rsv_status rsv_goal_enter(const rsv_operator_view *op, rsv_rgb *weight);
 
 /// z for given w. @param max_orders applications of G K at most @param importance [node_count]
 rsv_status rsv_goal_importance(

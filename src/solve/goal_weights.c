@@ -1,13 +1,9 @@
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "goal.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-/// Rays of each sensor at least, however many share the rays of a goal.
-#define FEWEST_SENSOR_RAYS 64u
-/// Rays each way that tell what is seen at all.
-#define VIEW_SIDE 384
 
 rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc)
 {
@@ -42,15 +38,13 @@ static bool follow(const rsv_transport_scene *scene, const rsv_ray *ray, const r
 {
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    rsv_specular_path first =
-        rsv_specular_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first = rsv_specular_begin(scene, medium, ray->direction, hit);
     rsv_gather gather = rsv_specular_gather(scene, first, random, counts_nothing, NULL);
     *end = gather.path;
     return gather.end == RSV_SPECULAR_DIFFUSE;
 }
 
-/// @param share of the goal that the radiance of this ray is
-static void add_weight(
+void rsv_goal_weigh_end(
     const rsv_operator_view *op, const rsv_specular_path *end, float share, rsv_rgb *weight)
 {
     const rsv_elements *e = op->elements;
@@ -83,7 +77,7 @@ static void weigh_picture(
         rsv_ray ray = rsv_camera_ray(camera, width, height, x * (float)width, y * (float)height);
         rsv_specular_path end;
         if (follow(scene, &ray, &medium, &random, &end))
-            add_weight(op, &end, 1 / (float)(side * side), weight);
+            rsv_goal_weigh_end(op, &end, 1 / (float)(side * side), weight);
     }
 }
 
@@ -104,13 +98,11 @@ static void weigh_reading(const rsv_operator_view *op, const rsv_goal_aim *aim, 
         rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
         rsv_specular_path end;
         if (follow(scene, &ray, &medium, &random, &end))
-            add_weight(op, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
+            rsv_goal_weigh_end(op, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
     }
 }
 
-/// From weights of what surfaces show to those of the irradiance that enters them, at free nodes: P* on translucent
-/// ones.
-static rsv_status enter(const rsv_operator_view *op, rsv_rgb *weight)
+rsv_status rsv_goal_enter(const rsv_operator_view *op, rsv_rgb *weight)
 {
     const rsv_elements *e = op->elements;
     if (op->subsurface) {
@@ -137,7 +129,7 @@ rsv_status rsv_goal_weights(
         weigh_reading(op, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS,
             rsv_hash3(seed, (uint32_t)k, 0x5e45u), weight);
     }
-    rsv_status status = enter(op, weight);
+    rsv_status status = rsv_goal_enter(op, weight);
     return status == RSV_OK ? rsv_progress(op->context, "weights", 1) : status;
 }
 

@@ -27,15 +27,20 @@ typedef struct rsv_krylov_traffic {
     size_t senders;  ///< processes that they come from
 } rsv_krylov_traffic;
 
+/// How a system was solved.
+typedef struct rsv_krylov_report {
+    double applications; ///< of G K
+    bool converged;      ///< false if the method gave up
+} rsv_krylov_report;
+
 /// All calls are collective. Failures are alike in all processes and leave their text in `message` [RSV_MESSAGE_BYTES].
 struct rsv_krylov_table {
     rsv_status (*create)(const rsv_krylov_system *system, rsv_krylov **krylov, char *message);
     void (*destroy)(rsv_krylov *krylov);
     /// Solves (I - G K) correction = residual for whole RGB fields, known to all processes before and after.
-    /// @param relative tolerance, unless PETSc's options say another @param applications of G K, out
-    /// @param converged out: false if the method gave up
+    /// @param relative tolerance, unless PETSc's options say another
     rsv_status (*solve)(rsv_krylov *krylov, const rsv_rgb *residual, double relative,
-        rsv_rgb *correction, double *applications, bool *converged, char *message);
+        rsv_rgb *correction, rsv_krylov_report *report, char *message);
     /// The eigenvalues of G K, of all channels together, that are largest by magnitude.
     /// @param count wanted in, found out @param value [2 x count] real and imaginary parts
     rsv_status (*eigenvalues)(rsv_krylov *krylov, size_t *count, double *value, char *message);

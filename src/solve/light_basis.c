@@ -116,8 +116,8 @@ static rsv_status shoot_subset(const rsv_light *s, const rsv_lights *subset, uin
 {
     rsv_photon_map map[2] = { 0 };
     const rsv_elements *const targets[2] = { s->field.caustics.elements, s->elements };
-    rsv_status status = rsv_photons_shoot(
-        &s->scene, subset, photons, rsv_level_seed(s->desc.seed), targets, map, 2, rays);
+    rsv_status status = rsv_photons_shoot(&s->scene, subset, photons, rsv_level_seed(s->desc.seed),
+        &(rsv_photon_targets){ targets, map, 2 }, rays);
     if (status == RSV_OK) {
         rsv_photon_map_irradiance(&map[0], part->caustic);
         rsv_photon_map_irradiance(&map[1], part->coarse_caustic);
@@ -135,24 +135,40 @@ rsv_light_effort rsv_full_light_effort(const rsv_light *s, const uint16_t *valid
         .valid = valid };
 }
 
+static rsv_direct_job job_of(
+    const rsv_light *s, const rsv_lights *subset, bool fine, const rsv_light_effort *effort)
+{
+    rsv_direct_job job = { .scene = &s->scene,
+        .elements = s->elements,
+        .setting = { subset, s->scene.bsdf, RSV_SUPPORT_POINTS, s->desc.seed },
+        .samples = effort->coarse_samples,
+        .valid_points = s->view.valid_points };
+    if (!fine) return job;
+    job.elements = s->field.fine.elements;
+    job.setting.points = RSV_LEVEL_POINTS;
+    job.setting.seed = rsv_level_seed(s->desc.seed);
+    job.samples = effort->fine_samples;
+    job.valid_points = effort->valid;
+    return job;
+}
+
 /// The light of one level: by a preview where that will do.
 static rsv_status estimate_level(const rsv_light *s, const rsv_lights *subset, bool fine,
     const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
 {
-    const rsv_elements *elements = fine ? s->field.fine.elements : s->elements;
+    const rsv_direct_job job = job_of(s, subset, fine, effort);
     const rsv_receiver_blocks *blocks = fine ? effort->fine : effort->coarse;
     const uint8_t *known = NULL;
     if (blocks && rsv_can_preview(subset)) {
         rsv_status status = rsv_direct_preview(blocks, subset, irradiance, rays);
-        if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(elements, irradiance);
+        if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(job.elements, irradiance);
         if (status != RSV_OK || blocks->holds_all) return status;
         known = blocks->held;
     }
-    return rsv_direct_irradiance(&s->scene, subset, elements,
-        fine ? RSV_LEVEL_POINTS : RSV_SUPPORT_POINTS,
-        fine ? effort->fine_samples : effort->coarse_samples,
-        fine ? rsv_level_seed(s->desc.seed) : s->desc.seed,
-        fine ? effort->valid : s->view.valid_points, known, irradiance, NULL, rays);
+    rsv_direct_light light = { .irradiance = irradiance };
+    rsv_status status = rsv_direct_irradiance(&job, known, &light);
+    *rays += light.rays;
+    return status;
 }
 
 rsv_status rsv_light_part_estimate(const rsv_light *s, const rsv_lights *lights,
@@ -177,8 +193,8 @@ rsv_status rsv_find_fine_valid(const rsv_light *s, uint16_t **valid)
     if (!s->field.fine.elements) return RSV_OK;
     *valid = rsv_alloc(s->context, s->field.fine.elements->node_count, sizeof **valid);
     if (!*valid) return RSV_ERROR_MEMORY;
-    return rsv_find_buried(&s->scene, s->field.fine.elements, RSV_LEVEL_POINTS,
-        rsv_level_seed(s->desc.seed), NULL, *valid, &rays);
+    return rsv_find_buried(&s->scene, s->field.fine.elements,
+        (rsv_support_draw){ RSV_LEVEL_POINTS, rsv_level_seed(s->desc.seed) }, NULL, *valid, &rays);
 }
 
 /// value's share of sum; equal shares where nothing was found by anyone.

@@ -1,6 +1,7 @@
 #include "light_change.h"
 
 #include "light_internal.h"
+#include "solve_constants.h"
 #include "source.h"
 
 rsv_world *rsv_light_world(rsv_light *s) { return s->world; }
@@ -162,9 +163,6 @@ rsv_status rsv_light_solve_again(rsv_light *s)
     if (status == RSV_OK) rsv_light_warn_if_unbounded(s);
     return status;
 }
-
-/// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
-#define WORRYING_RADIUS 0.98
 
 void rsv_light_warn_if_unbounded(const rsv_light *s)
 {

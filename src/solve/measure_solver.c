@@ -3,9 +3,7 @@
 #include "../solver/linear_solver.h"
 #include "../solver/spectrum.h"
 #include "light_internal.h"
-
-/// Orders of light that show how fast they die out, before a solver is chosen.
-#define SCOUT_TERMS 5
+#include "solve_constants.h"
 
 /// Passes on what a solver tells, after what was there before it.
 typedef struct listener {

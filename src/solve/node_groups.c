@@ -1,11 +1,9 @@
 #include "node_groups.h"
 
+#include "solve_constants.h"
+
 #include <math.h>
 #include <stdlib.h>
-
-/// The dense solve on groups must stay cheap beside one application of the operator.
-#define MAX_GROUPS 128
-#define NODES_PER_GROUP 16
 
 enum { dimensions = 6 };
 

@@ -2,11 +2,9 @@
 
 #include "../core/references.h"
 #include "../scene/material_at.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-/// Places on each element where textured albedo is looked up.
-#define ALBEDO_POINTS 16
 
 struct rsv_operator {
     rsv_operator_view view;
@@ -38,8 +36,8 @@ static rsv_rgb mean_albedo(
     for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
         rsv_bsdf storage;
         uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
-        const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(
-            scene->view, scene->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
+        const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(scene->view, scene->bsdf,
+            (rsv_footprint){ triangle, sample[k].u, sample[k].v, width }, &storage);
         rsv_rgb scale = bsdf->entry_scale, left = rgb(1 / scale.r, 1 / scale.g, 1 / scale.b);
         float share = bsdf->diffuse * bsdf->opacity *
                       rsv_left_of_cut_out(scene->view, triangle, sample[k].u, sample[k].v, width);
@@ -99,11 +97,10 @@ rsv_status rsv_operator_trace(const rsv_operator_desc *d, rsv_operator **result)
     rsv_status status;
     rsv_operator *op = NULL;
     RSV_TRY(begin(d->world, d->elements, &op));
-    RSV_TRY(copy_valid_points(op, d->valid_points));
-    RSV_TRY(rsv_element_albedos(d->scene, d->elements, d->seed, &op->albedo));
+    RSV_TRY(copy_valid_points(op, d->rows.valid_points));
+    RSV_TRY(rsv_element_albedos(d->rows.scene, d->elements, d->rows.seed, &op->albedo));
     op->view.albedo = op->albedo;
-    RSV_TRY(rsv_transport_create(
-        d->scene, d->lights, d->elements, d->valid_points, d->rays, d->seed, &op->view.transport));
+    RSV_TRY(rsv_transport_create(&d->rows, &op->view.transport));
     *result = op;
     op = NULL;
 cleanup:

@@ -24,15 +24,9 @@ typedef struct rsv_operator_view {
 
 /// How to trace one.
 typedef struct rsv_operator_desc {
-    rsv_world *world; ///< retained
-    /// Of that world, with what is known from before (update); borrowed for the call
-    const rsv_transport_scene *scene;
-    const rsv_lights *lights; ///< tell which emitters rows gather; borrowed for the call
-    rsv_elements *elements;   ///< retained
-    const uint16_t
-        *valid_points; ///< [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points; copied
-    uint32_t rays;     ///< of each row, a power of two
-    uint32_t seed;     ///< that of valid_points
+    rsv_world *world;        ///< retained
+    rsv_elements *elements;  ///< retained
+    rsv_transport_desc rows; ///< of that world and those elements; borrowed for the call
 } rsv_operator_desc;
 
 rsv_status rsv_operator_trace(const rsv_operator_desc *desc, rsv_operator **op);
@@ -50,8 +44,8 @@ rsv_status rsv_operator_scatter(rsv_operator *op);
 const rsv_operator_view *rsv_operator_get_view(const rsv_operator *op);
 
 /// Albedo of a node, textured ones as means over their hat functions.
-rsv_rgb rsv_element_albedo(const rsv_transport_scene *scene, const rsv_elements *elements,
-    uint32_t seed, uint32_t node);
+rsv_rgb rsv_element_albedo(
+    const rsv_transport_scene *scene, const rsv_elements *elements, uint32_t seed, uint32_t node);
 
 /// Albedos of all nodes. @param albedo out: [node_count], to be freed
 rsv_status rsv_element_albedos(const rsv_transport_scene *scene, const rsv_elements *elements,

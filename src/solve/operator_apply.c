@@ -1,5 +1,7 @@
 #include "operator.h"
 
+#include <string.h>
+
 rsv_status rsv_operator_apply(const rsv_operator *op, const rsv_rgb *field, rsv_rgb *image)
 {
     rsv_transport_map *map = NULL;
@@ -17,11 +19,19 @@ rsv_status rsv_operator_apply_transpose(
 {
     rsv_transport_map *map = NULL;
     rsv_status status;
+    rsv_context *context = rsv_operator_get_view(op)->context;
+    size_t nodes = rsv_operator_element_count(op);
+    rsv_rgb *weight = rsv_reserve(context, nodes, sizeof *weight);
+    RSV_TRY(weight ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_operator_map(op, 1, &map));
     RSV_TRY(rsv_transport_map_transpose(map));
-    map->linear.table->apply_transpose(map->linear.data, 3, &field->r, &image->r);
+    memcpy(weight, field, nodes * sizeof *weight);
+    rsv_elements_constrain_transpose(
+        map->elements, weight); // the map knows no values of hanging nodes
+    map->linear.table->apply_transpose(map->linear.data, 3, &weight->r, &image->r);
 cleanup:
     rsv_transport_map_destroy(map);
+    rsv_free(context, weight);
     return status;
 }
 
@@ -59,16 +69,4 @@ cleanup:
 size_t rsv_operator_element_count(const rsv_operator *op)
 {
     return rsv_operator_get_view(op)->elements->node_count;
-}
-
-bool rsv_operator_locate(const rsv_operator *op, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t element[3], float weight[3])
-{
-    const rsv_elements *e = rsv_operator_get_view(op)->elements;
-    uint32_t face = e->face_of[back_side][triangle];
-    if (face == RSV_NONE) return false;
-    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, u, v, weight)];
-    for (int k = 0; k < 3; k++)
-        element[k] = node[k];
-    return true;
 }

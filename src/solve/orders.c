@@ -9,6 +9,7 @@
 #include "../solver/leading.h"
 #include "../solver/linear_solver.h"
 #include "sharpen.h"
+#include "solve_constants.h"
 #include "transport_map.h"
 
 #include <stdio.h>
@@ -60,14 +61,6 @@ static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *resid
     }
     return max;
 }
-
-/// A place that still holds more than half of its light after so many orders is a pocket.
-#define POCKET_ORDERS 256
-/// After RSV_LOSSLESS_ORDERS, such a place holds more than the fourth root of that.
-#define POCKET_LASTING 0.841f
-
-/// Less of the light than this may be lost in pockets that are left dark.
-#define POCKET_SHARE 0.01
 
 /// Share of the source's light that is caught in pockets: the largest of the channels.
 static double caught_share(const rsv_light *s, const float *survival)
@@ -282,9 +275,6 @@ cleanup:
     return status;
 }
 
-/// Rounding of stored irradiance, as a share of it, that no residual gets below.
-#define ROUNDING 2.5e-7
-
 /// Where little is absorbed, irradiance grows so far beyond its source that the wanted residual is less than rounding
 /// leaves: asks for no less. Orders beyond the present term are taken to fall by the spectral radius.
 static void keep_target_in_reach(series *q, const rsv_rgb *term)
@@ -438,11 +428,6 @@ static void sharpen_fields(series *q)
         rsv_team_copy(s->context, k % place.size, kept_field(s, k),
             s->elements->node_count * sizeof(rsv_rgb));
 }
-
-/// Residual of the spectral radius, relative, and the applications that it may take. As A is symmetric, nearly, in some inner
-/// product, the radius itself is known to about the square of that over the distance of the next eigenvalue.
-#define RADIUS_TOLERANCE 2e-3
-#define RADIUS_STEPS 24
 
 /// The radius that the orders suggest is a Rayleigh quotient, below the true one; this is the leading eigenvalue.
 static rsv_status find_radius(const series *q)

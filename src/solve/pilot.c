@@ -9,22 +9,11 @@
 #include "diffused_level.h"
 #include "goal.h"
 #include "pilot_near.h"
+#include "solve_constants.h"
 #include "solve_desc.h"
 #include "source.h"
 
 #include <string.h>
-
-#define PILOT_BEND 0.2f
-#define LARGEST_BEND 2.0f
-/// Pilots may bring rows to so many times those that were asked for, or, where detailed surfaces take most of these anyway,
-/// add so many times. After an edit, whose solution before had pilots of its own, they may add as many as were asked for.
-#define MOST_NODES 8
-#define MOST_ADDED 5
-/// A pilot takes an eighth of the rays of a solution: worth it where it may add this part of the rows there are.
-#define LEAST_GROWTH 0.25
-#define NODES_PER_SPLIT 2 ///< that a split adds, about
-/// Part of the mean indirect light below which nobody sees a relative error.
-#define PILOT_DARK 0.02f
 
 static void note_bend(void *user, uint32_t cell, uint32_t other, float bend)
 {
@@ -41,7 +30,7 @@ static double rows_for(const rsv_elements *e, const uint8_t *marked, bool *any)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         if (!marked[c]) continue;
         *any = true;
-        rows += rsv_cell_follows(e, c) ? (double)rsv_cell_new_leaders(e, c) : NODES_PER_SPLIT;
+        rows += rsv_cell_follows(e, c) ? (double)rsv_cell_new_leaders(e, c) : RSV_NODES_PER_SPLIT;
     }
     return rows;
 }

@@ -4,9 +4,6 @@
 
 #include "builder.h"
 
-#define RSV_PILOT_RAYS 128 ///< of each row
-#define RSV_PILOT_ORDERS 3 ///< of light
-
 /// Whether elements are chosen for a picture or for sensors. They start larger then, by RSV_GOAL_LEARNED.
 bool rsv_pilot_has_goal(const rsv_builder *builder);
 

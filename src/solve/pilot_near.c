@@ -3,6 +3,7 @@
 #include "../elements/elements.h"
 #include "../update/element_keys.h"
 #include "pilot.h"
+#include "solve_constants.h"
 #include "source.h"
 
 #include <string.h>

@@ -1,9 +1,8 @@
 #include "sharpen.h"
 
-#include <string.h>
+#include "solve_constants.h"
 
-/// Brightest neighbour : darkest, beyond which there is a jump.
-#define SMOOTH_CONTRAST 2
+#include <string.h>
 
 typedef struct luminance_range {
     float low, high;

@@ -81,9 +81,15 @@ void rsv_source_add_gathered(rsv_light *s)
 static rsv_status find_direct(
     const rsv_light *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
 {
-    return rsv_direct_irradiance(&s->scene, s->sources->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->view.valid_points, known,
-        irradiance, NULL, rays);
+    const rsv_direct_job job = { .scene = &s->scene,
+        .elements = s->elements,
+        .setting = { s->sources->lights, s->scene.bsdf, RSV_SUPPORT_POINTS, s->desc.seed },
+        .samples = RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples,
+        .valid_points = s->view.valid_points };
+    rsv_direct_light light = { .irradiance = irradiance };
+    rsv_status status = rsv_direct_irradiance(&job, known, &light);
+    *rays += light.rays;
+    return status;
 }
 
 rsv_status rsv_measure_direct(const rsv_light *s, double *seconds, uint64_t *rays)

@@ -7,16 +7,13 @@
 
 #include <string.h>
 
-/// Nodes below which waking the threads takes longer than the work.
-#define PARALLEL_NODES 16384
-
 static const rsv_rgb *rgb_field(const float *field) { return (const rsv_rgb *)field; }
 
 /// Exitance of all nodes: hanging ones filled in, then diffused below the surface, then K's albedo.
 static void scatter(rsv_transport_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *exitance)
 {
     size_t nodes = m->linear.count;
-    int threads = nodes > PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
+    int threads = nodes > RSV_PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
     for (size_t f = 0; f < fields; f++) {
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (size_t n = 0; n < nodes; n++)
@@ -51,21 +48,35 @@ static void residual(
         (rsv_rgb *)difference);
 }
 
+/// Takes one of the fields out of all, and puts it back.
+static void take_field(const rsv_transport_map *m, size_t fields, size_t f, const rsv_rgb *all)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
+    for (size_t n = 0; n < m->linear.count; n++)
+        m->filled[n] = all[n * fields + f];
+}
+
+static void put_field(const rsv_transport_map *m, size_t fields, size_t f, rsv_rgb *all)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
+    for (size_t n = 0; n < m->linear.count; n++)
+        all[n * fields + f] = m->filled[n];
+}
+
 /// K* G* on one field after the other.
 static void apply_transpose(void *data, size_t columns, const float *field, float *image)
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3, nodes = m->linear.count;
     for (size_t f = 0; f < fields; f++) {
-        for (size_t n = 0; n < nodes; n++)
-            m->filled[n] = rgb_field(field)[n * fields + f];
+        take_field(m, fields, f, rgb_field(field));
         rsv_transport_apply_transpose(m->columns, m->filled, m->exitance, m->scattered);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
         for (size_t n = 0; n < nodes; n++)
             m->scattered[n] = rgb_mul(m->albedo[n], m->scattered[n]);
         rsv_subsurface_apply_transpose(m->subsurface, m->elements, m->scattered, m->filled);
         rsv_elements_constrain_transpose(m->elements, m->filled);
-        for (size_t n = 0; n < nodes; n++)
-            ((rsv_rgb *)image)[n * fields + f] = m->filled[n];
+        put_field(m, fields, f, (rsv_rgb *)image);
     }
 }
 
@@ -171,17 +182,16 @@ static rsv_status correct_by_krylov(
     wanted->applications = 0;
     wanted->converged = true;
     for (size_t f = 0; f < fields; f++) {
-        double steps;
-        bool arrived;
+        rsv_krylov_report report;
         for (size_t n = 0; n < nodes; n++)
             m->filled[n] = rgb_field(residual)[n * fields + f];
-        rsv_status status = krylov->solve(
-            m->krylov, m->filled, wanted->relative, m->exitance, &steps, &arrived, message);
+        rsv_status status =
+            krylov->solve(m->krylov, m->filled, wanted->relative, m->exitance, &report, message);
         if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
         for (size_t n = 0; n < nodes; n++)
             ((rsv_rgb *)correction)[n * fields + f] = m->exitance[n];
-        wanted->applications += steps / (double)fields;
-        wanted->converged = wanted->converged && arrived;
+        wanted->applications += report.applications / (double)fields;
+        wanted->converged = wanted->converged && report.converged;
     }
     return RSV_OK;
 }

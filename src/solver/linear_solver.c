@@ -1,4 +1,5 @@
 #include "solver_run.h"
+#include "stagnation.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,10 +10,6 @@
 /// Solvers estimate the residual on their way. A cycle after a poor one, which may have believed too early that it was
 /// there, aims this much lower. Powers of two, so that goals come back as they were.
 #define CAUTION 4
-/// Within a cycle: checks without an improvement by half a percent.
-#define PATIENCE 64
-#define IMPROVEMENT 0.995
-#define BLOW_UP 1e6
 
 #define RSV_SOLVER(value, symbol, name) extern const rsv_solver_method rsv_solver_##symbol;
 #include "solvers.inc"
@@ -109,14 +106,14 @@ bool rsv_run_goes_on(rsv_solver_run *run)
 {
     double now = excess(run);
     tell(run);
-    if (!(now < BLOW_UP * run->best)) {
+    if (!(now < RSV_BLOW_UP * run->best)) {
         run->blew_up = true;
         return false;
     }
-    if (now < IMPROVEMENT * run->best) {
+    if (now < RSV_IMPROVEMENT * run->best) {
         run->best = now;
         run->waiting = 0;
-    } else if (++run->waiting >= PATIENCE) {
+    } else if (++run->waiting >= RSV_PATIENCE) {
         return false;
     }
     double budget = run->desc->max_applications;

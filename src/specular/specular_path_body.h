@@ -8,8 +8,8 @@
 RSV_SHARED const rsv_bsdf *rsv_specular_bsdf(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_bsdf *storage)
 {
-    return rsv_surface_bsdf(
-        scene->view, scene->bsdf, path->triangle, path->u, path->v, path->width, storage);
+    rsv_footprint at = { path->triangle, path->u, path->v, path->width };
+    return rsv_surface_bsdf(scene->view, scene->bsdf, at, storage);
 }
 
 RSV_INLINE rsv_surface_point rsv_specular_seen_point(
@@ -58,9 +58,10 @@ RSV_SHARED rsv_bsdf_event rsv_specular_draw_event(
     const rsv_bsdf *bsdf = rsv_specular_scattering(scene, path, &normal, &storage);
     if (bsdf->opacity < 1 && rsv_random_float(random) >= bsdf->opacity)
         return rsv_event(RSV_LOBE_PASS, path->direction, rgb_gray(1));
-    float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
-    return rsv_bsdf_draw_event(
-        bsdf, v3_neg(path->direction), normal, !path->back, u_lobe, u1, rsv_random_float(random));
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(random);
+    return rsv_bsdf_draw_event(bsdf, v3_neg(path->direction), normal, !path->back, u);
 }
 
 RSV_SHARED rsv_bsdf_event rsv_specular_draw_specular(
@@ -69,7 +70,7 @@ RSV_SHARED rsv_bsdf_event rsv_specular_draw_specular(
     rsv_vec3 normal, wo = v3_neg(path->direction);
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_specular_scattering(scene, path, &normal, &storage);
-    rsv_bsdf_event event = rsv_bsdf_draw_specular(bsdf, wo, normal, !path->back, u[0], u[1], u[2]);
+    rsv_bsdf_event event = rsv_bsdf_draw_specular(bsdf, wo, normal, !path->back, u);
     event.weight = rgb_scale(event.weight, bsdf->opacity);
     return event;
 }

@@ -80,13 +80,12 @@ RSV_INLINE void rsv_specular_end_segment(
             rgb_mul(path->weight, rsv_medium_transmittance(&path->medium, scene->bsdf, hit->t));
 }
 
-/// The specular path at its first surface, hit by a ray along unit `direction` at distance `t`.
+/// The specular path at its first surface, hit by a ray along unit `direction`.
 /// @param medium that it starts in; NULL = outside all bodies
-RSV_INLINE rsv_specular_path rsv_specular_begin(const rsv_transport_scene *scene,
-    const rsv_medium *medium, rsv_vec3 direction, uint32_t triangle, float u, float v, float t)
+RSV_INLINE rsv_specular_path rsv_specular_begin(
+    const rsv_transport_scene *scene, const rsv_medium *medium, rsv_vec3 direction, rsv_hit hit)
 {
     const rsv_medium outside = { { 0 }, 0 };
-    rsv_hit hit = { triangle, t, u, v };
     rsv_specular_path path;
     path.direction = direction;
     path.weight = rgb_gray(1);
@@ -96,7 +95,7 @@ RSV_INLINE rsv_specular_path rsv_specular_begin(const rsv_transport_scene *scene
     path.events = path.turns = path.rays = 0;
     path.spread = RSV_GATHER_SPREAD;
     path.width = 0;
-    rsv_specular_end_segment(scene, &path, &hit, rsv_meets_back(scene, triangle, direction));
+    rsv_specular_end_segment(scene, &path, &hit, rsv_meets_back(scene, hit.triangle, direction));
     return path;
 }
 

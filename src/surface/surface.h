@@ -71,16 +71,22 @@ float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 /// `lambert` only if it is so everywhere.
 rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material);
 
-/// How the surface scatters at a point.
+/// A place on a triangle, and the width over which textures are averaged there, metres.
+typedef struct rsv_footprint {
+    uint32_t triangle;
+    float u, v, width;
+} rsv_footprint;
+
+/// How the surface scatters there.
 /// @param common [material_count] from rsv_surface_common_bsdf
 /// @param storage used where the material varies
 /// @return into `common` for plain materials, at no cost; else `storage`
-RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
-    uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
+RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(
+    const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage);
 
 /// The same for the diffuse lobe alone (rsv_bsdf_vary_entry).
-RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(const rsv_scene_view *scene,
-    const rsv_bsdf *common, uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
+RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(
+    const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage);
 
 #if defined(RSV_DEVICE_CODE)
 #include "surface_body.h"

@@ -18,25 +18,25 @@ RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     return point;
 }
 
-RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
-    uint32_t triangle, float u, float v, float width, rsv_bsdf *storage)
+RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(
+    const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage)
 {
-    uint32_t material = scene->triangle_material[triangle];
+    uint32_t material = scene->triangle_material[at.triangle];
     if (!scene->material_varies[material]) return &common[material];
-    rsv_material at = rsv_material_at(scene, triangle, u, v, width);
-    *storage = rsv_bsdf_vary(&common[material], &at);
-    if (!storage->solid) storage->opacity = at.opacity;
+    rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
+    *storage = rsv_bsdf_vary(&common[material], &m);
+    if (!storage->solid) storage->opacity = m.opacity;
     return storage;
 }
 
-RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(const rsv_scene_view *scene,
-    const rsv_bsdf *common, uint32_t triangle, float u, float v, float width, rsv_bsdf *storage)
+RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(
+    const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage)
 {
-    uint32_t material = scene->triangle_material[triangle];
+    uint32_t material = scene->triangle_material[at.triangle];
     if (!scene->material_varies[material]) return &common[material];
-    rsv_material at = rsv_material_at(scene, triangle, u, v, width);
-    *storage = rsv_bsdf_vary_entry(&common[material], &at);
-    if (!storage->solid) storage->opacity = at.opacity;
+    rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
+    *storage = rsv_bsdf_vary_entry(&common[material], &m);
+    if (!storage->solid) storage->opacity = m.opacity;
     return storage;
 }
 

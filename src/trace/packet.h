@@ -26,6 +26,13 @@ RSV_INLINE bool rsv_packet_meets_back(const rsv_ray_packet *p, uint32_t lane)
            0;
 }
 
+/// What a traced ray met.
+RSV_INLINE rsv_hit rsv_packet_hit(const rsv_ray_packet *p, uint32_t lane)
+{
+    rsv_hit hit = { p->triangle[lane], p->t_max[lane], p->u[lane], p->v[lane] };
+    return hit;
+}
+
 /// Where a ray ended.
 RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
 {

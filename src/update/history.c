@@ -3,11 +3,10 @@
 #include "../core/index_map.h"
 #include "element_keys.h"
 #include "material_keys.h"
+#include "update_constants.h"
 
 /// More than tables and scenes can have.
 #define TOO_MANY ((uint64_t)1 << 36)
-/// An edit that changes the spacing by less than this part leaves it as it was.
-#define LIKE_SPACING 0.1f
 
 static bool is_table_size(uint64_t slots)
 {

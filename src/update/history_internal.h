@@ -3,8 +3,7 @@
 #define RSV_HISTORY_INTERNAL_H
 
 #include "history_file.h"
-
-#define RSV_HISTORY_SOURCES 64
+#include "update_constants.h"
 
 /// Metres.
 typedef struct rsv_box {

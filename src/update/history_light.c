@@ -1,9 +1,6 @@
 /// Where the light of sources may be another after an edit.
 #include "history_internal.h"
-
-/// What cells ask their surroundings reaches no farther than that: part of their size, and of the spacing.
-#define REACH_OF_SIZE 0.6f
-#define REACH_OF_SPACING 0.25f
+#include "update_constants.h"
 
 static void add_source(rsv_history *p, uint32_t at, rsv_vec3 place)
 {

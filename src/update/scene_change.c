@@ -1,11 +1,9 @@
 #include "scene_change.h"
 
 #include "element_keys.h"
+#include "update_constants.h"
 
 #include <stdlib.h>
-
-/// Boxes grow by this part of their coordinates, against rounding.
-#define MARGIN 1e-5f
 
 static bool has_holes(const rsv_scene_view *scene, uint32_t triangle)
 {

@@ -23,6 +23,13 @@ says '^mean_ratio *0.0'
 succeeds relight box.safetensors --move light=0,0,0 -o unmoved.exr "${box[@]}"
 cmp -s same.exr unmoved.exr || complain "a light that stays changes the picture"
 
+# as many lights as a scene may have can be named
+dozen=()
+for k in {1..12}; do dozen+=(--add "lamp$k=0.1,0.2,0.1,1" --light "lamp$k=0"); done
+succeeds relight box.safetensors "${dozen[@]}" -o dozen.exr "${box[@]}"
+succeeds compare once.exr dozen.exr
+says '^mean_ratio *1.00000'
+
 # a sky that turns is the sky that was turned before
 succeeds render cornell-spheres -o sky.hdr --size 64x32 --mode reference --spp 16 --threads 2
 open=(--size 48x48 --spp 4 --threads 2)

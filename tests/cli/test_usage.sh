@@ -8,7 +8,7 @@ succeeds --version
 succeeds help render
 says 'usage: resolvent render'
 refuses 2 'is not a command' help paint
-for command in render solve relight view probe certify compare layers sheet scene info bench; do
+for command in render solve relight view probe daylight certify compare layers falsecolor sheet scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
     says 'examples:'

@@ -1,6 +1,6 @@
 # The program as its users meet it: one shell script per subject.
 if(TARGET resolvent_program)
-    foreach(subject usage animation surroundings budget bad_input bake document gltf probe certify render solve update relight gpu view python scene cancel bench)
+    foreach(subject usage animation surroundings budget bad_input bake document gltf probe daylight photometry certify render solve update relight gpu view python scene cancel bench)
         add_test(NAME cli_${subject} COMMAND bash
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
@@ -57,4 +57,10 @@ if(TARGET resolvent_program AND NOT RSV_SANITIZE)
     add_test(NAME cli_memory COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_memory.sh $<TARGET_FILE:resolvent_program>
         $<TARGET_FILE:failing_malloc>)
     add_test(NAME bundle COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_bundle.sh ${CMAKE_BINARY_DIR})
+endif()
+# the Python package, whose tests lie with it
+if(NOT RSV_SANITIZE)
+    add_test(NAME python_package COMMAND bash ${PROJECT_SOURCE_DIR}/integrations/python/tests/test_package.sh
+        ${CMAKE_BINARY_DIR})
+    set_tests_properties(python_package PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
 endif()

@@ -8,7 +8,9 @@
 #include "resolvent/animation.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
+#include "resolvent/luminaire.h"
 #include "resolvent/opfile.h"
+#include "resolvent/sky.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -96,6 +98,36 @@ static void read_script(const char *path)
     cli_free_light_script(&script);
 }
 
+/// Whatever a file says, its skies are numbers.
+static void read_weather(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_weather weather;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_weather_read(context, path, &weather) == RSV_OK)
+        for (size_t k = 0; k < weather.count && k < 100; k++) {
+            rsv_perez_sky sky = rsv_weather_sky(&weather, k, NULL);
+            if (!(sky.diffuse_illuminance >= 0 && sky.direct_illuminance >= 0)) abort();
+        }
+    rsv_weather_free(context, &weather);
+    rsv_context_destroy(context);
+}
+
+/// Whatever a file says, its light is a number.
+static void read_luminaire(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_luminaire luminaire;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_luminaire_read(context, path, &luminaire) == RSV_OK) {
+        double up = rsv_luminaire_intensity(&luminaire, (rsv_vec3){ 0.6f, -0.48f, 0.64f });
+        if (!(up >= 0 && rsv_luminaire_flux(&luminaire) >= -1e-3 * rsv_luminaire_peak(&luminaire)))
+            abort();
+    }
+    rsv_luminaire_free(context, &luminaire);
+    rsv_context_destroy(context);
+}
+
 typedef struct reader {
     const char *extension;
     void (*read)(const char *path);
@@ -105,7 +137,8 @@ static const reader readers[] = { { ".glb", read_scene }, { ".gltf", read_scene 
     { ".obj", read_scene }, { ".ply", read_scene }, { ".stl", read_scene }, { ".dae", read_scene },
     { ".fbx", read_scene }, { ".exr", read_image }, { ".hdr", read_image }, { ".png", read_image },
     { ".jpg", read_image }, { ".safetensors", read_operator }, { ".csv", read_points },
-    { ".txt", read_script } };
+    { ".epw", read_weather }, { ".wea", read_weather }, { ".ies", read_luminaire },
+    { ".ldt", read_luminaire }, { ".txt", read_script } };
 
 static const reader *reader_of(const char *extension)
 {

@@ -7,7 +7,7 @@
 
 /// Reads a file of these bytes by the reader of the extension: .glb .gltf .obj .ply .stl .dae .fbx .exr .hdr .png .jpg
 /// .safetensors (checksum mended first, so that what lies behind it is reached), .csv of points, .txt of light that
-/// changes, and .history .scene .rows that a solve left for the next one (kept_files.h). Refusing the file is fine; crashing, hanging or leaking is not.
+/// changes, .epw and .wea of weather, .ies and .ldt of luminaires, and .history .scene .rows that a solve left for the next one (kept_files.h). Refusing the file is fine; crashing, hanging or leaking is not.
 void fuzz_read(const char *extension, const uint8_t *data, size_t size);
 
 #endif

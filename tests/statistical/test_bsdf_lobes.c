@@ -82,8 +82,8 @@ static void count_draws(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, const bsd
     *ideal = 0;
     for (int k = 0; k < DRAWS; k++) {
         float u = rsv_random_float(&random), x = rsv_random_float(&random);
-        rsv_bsdf_sample sample =
-            rsv_bsdf_sample_direction(bsdf, wo, up, front, u, x, rsv_random_float(&random));
+        rsv_bsdf_sample sample = rsv_bsdf_sample_direction(
+            bsdf, wo, up, front, (const float[3]){ u, x, rsv_random_float(&random) });
         if (sample.pdf_solid_angle > 0)
             counts[bin_of(chart, sample.direction)]++;
         else
@@ -204,8 +204,8 @@ static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
     rsv_random random = rsv_random_from(1, 2, 3);
     for (int k = 0; k < 200; k++) {
         float u = rsv_random_float(&random), x = rsv_random_float(&random);
-        rsv_bsdf_event event = rsv_bsdf_draw_event(
-            bsdf, direction_at(cos_o, 0.4f), up, front, u, x, rsv_random_float(&random));
+        rsv_bsdf_event event = rsv_bsdf_draw_event(bsdf, direction_at(cos_o, 0.4f), up, front,
+            (const float[3]){ u, x, rsv_random_float(&random) });
         bool balanced = bsdf->layered && bsdf->alpha > 0 && event.lobe != RSV_LOBE_DIFFUSE;
         float largest = rgb_max(bsdf->sheen) > bsdf->sheen.r ? event.weight.g : event.weight.r;
         bool good = balanced ? largest > 0 && largest < 3 : fabsf(largest - 1) < 1e-4f;
@@ -240,8 +240,8 @@ static double drawn_energy(const rsv_bsdf *bsdf, float cos_o, double *standard_e
     for (uint32_t k = 0; k < COUNT_DRAWN; k++) {
         float u1, u2, u = rsv_random_float(&random);
         rsv_sobol_2d(k, 1, &u1, &u2);
-        rsv_bsdf_sample sample =
-            rsv_bsdf_sample_direction(bsdf, direction_at(cos_o, 0), up, true, u, u1, u2);
+        rsv_bsdf_sample sample = rsv_bsdf_sample_direction(
+            bsdf, direction_at(cos_o, 0), up, true, (const float[3]){ u, u1, u2 });
         double weight = sample.lobe == RSV_LOBE_NONE ? 0 : (double)sample.weight.g;
         sum += weight;
         squares += weight * weight;

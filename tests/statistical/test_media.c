@@ -39,8 +39,9 @@ static void check_probes(
             assert_int_equal(
                 rsv_probe_reference(w->scene, probe, count, samples, 5, reading), RSV_OK);
         else
-            assert_int_equal(rsv_probe_irradiance(
-                                 solution, RSV_PROBE_OPERATOR, probe, count, samples, 5, reading),
+            assert_int_equal(
+                rsv_probe_irradiance(solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, samples, 5 },
+                    probe, count, reading),
                 RSV_OK);
         double sum = 0, variance = 0;
         for (size_t k = 0; k < count; k++) {
@@ -157,8 +158,7 @@ static void bodies_within_bodies_absorb_by_turns(void **state)
     rsv_hit hit;
     rsv_specular_path path;
     assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
-    path =
-        rsv_specular_begin(&w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
     for (int k = 0; k < 3; k++)
         assert_int_equal(rsv_specular_step(&w->transport, &path, true, ray.direction, rgb_gray(1)),
             RSV_SPECULAR_MOVED);

@@ -44,7 +44,8 @@ static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgeme
     }
     rsv_probe_reading reading[TURNS + 1];
     assert_int_equal(
-        rsv_probe_irradiance(s->light, RSV_PROBE_REFERENCE, probe, TURNS + 1, 4096, 1, reading),
+        rsv_probe_irradiance(
+            s->light, &(rsv_probe_desc){ RSV_PROBE_REFERENCE, 4096, 1 }, probe, TURNS + 1, reading),
         RSV_OK);
     for (int k = 1; k <= TURNS; k++)
         for (int c = 0; c < 3; c++) {
@@ -137,7 +138,9 @@ static void judge_packing(const fixture *f, bool slivers, double least_coverage)
     make_triangles(&charts, slivers);
     assert_int_equal(rsv_bake_pack(&charts, 76, 2, SIDE, SIDE, &height), RSV_OK);
     assert_true(height <= SIDE);
-    assert_int_equal(rsv_bake_map_create(&charts, &part, SIDE, height, 2, &map, NULL), RSV_OK);
+    assert_int_equal(
+        rsv_bake_map_create(&charts, &part, (rsv_bake_extent){ SIDE, height, 2 }, &map, NULL),
+        RSV_OK);
     print_message("triangles cover %.1f %%\n", 100 * rsv_bake_map_coverage(&map));
     assert_true(rsv_bake_map_coverage(&map) > least_coverage);
     for (uint32_t k = 0; k < CHARTS; k++)

@@ -179,7 +179,8 @@ static void sampled_weight_is_value_over_density(void **state)
     for (int i = 0; i < 8; i++) {
         rsv_bsdf bsdf = mixed_bsdf(i);
         rsv_vec3 wo = direction_at(0.6f, 1.0f);
-        rsv_bsdf_sample s = rsv_bsdf_sample_direction(&bsdf, wo, up, true, 0.9999f, 0.3f, 0.8f);
+        rsv_bsdf_sample s =
+            rsv_bsdf_sample_direction(&bsdf, wo, up, true, (const float[3]){ 0.9999f, 0.3f, 0.8f });
         if (s.lobe != RSV_LOBE_DIFFUSE) continue;
         float pdf = rsv_bsdf_pdf(&bsdf, s.direction, wo, up, true);
         assert_float_equal(s.pdf_solid_angle, pdf, 1e-5 * pdf);
@@ -202,7 +203,7 @@ static void mean_sampled_weight_is_the_albedo(void **state)
             float u1, u2;
             rsv_sobol_2d(k, (uint32_t)i, &u1, &u2);
             sum += (double)rsv_bsdf_sample_direction(
-                &bsdf, wo, up, true, rsv_random_float(&random), u1, u2)
+                &bsdf, wo, up, true, (const float[3]){ rsv_random_float(&random), u1, u2 })
                        .weight.g;
         }
         rsv_bsdf_branches branches = rsv_bsdf_evaluate_branches(&bsdf, wo, up, true);
@@ -239,7 +240,8 @@ static void check_chi_square(const rsv_bsdf *bsdf, rsv_vec3 wo, uint32_t seed)
     for (int k = 0; k < DRAWS; k++) {
         float u_lobe = rsv_random_float(&random), u1 = rsv_random_float(&random);
         float u2 = rsv_random_float(&random);
-        rsv_bsdf_sample s = rsv_bsdf_sample_direction(bsdf, wo, up, true, u_lobe, u1, u2);
+        rsv_bsdf_sample s =
+            rsv_bsdf_sample_direction(bsdf, wo, up, true, (const float[3]){ u_lobe, u1, u2 });
         if (s.lobe != RSV_LOBE_DIFFUSE) continue;
         counts[bin_of(s.direction)]++;
         diffuse_draws++;
@@ -335,7 +337,9 @@ static void backs_of_single_sided_surfaces_are_black(void **state)
     assert_true(
         rgb_is_black(back.reflect) && rgb_is_black(back.diffuse) && rgb_is_black(back.transmit));
     assert_int_equal(
-        rsv_bsdf_sample_direction(&single, wo, up, false, 0.5f, 0.5f, 0.5f).lobe, RSV_LOBE_NONE);
+        rsv_bsdf_sample_direction(&single, wo, up, false, (const float[3]){ 0.5f, 0.5f, 0.5f })
+            .lobe,
+        RSV_LOBE_NONE);
     assert_false(rgb_is_black(rsv_bsdf_evaluate_branches(&both, wo, up, false).diffuse));
 }
 
@@ -390,8 +394,9 @@ static void mean_specular_weights(const rsv_bsdf *bsdf, rsv_vec3 wo, double *alo
     for (int k = 0; k < count; k++) {
         float x, y, u = ((float)k + 0.5f) / (float)count;
         rsv_sobol_2d((uint32_t)k, 7, &x, &y);
-        *alone += rsv_bsdf_draw_specular(bsdf, wo, up, true, u, x, y).weight.r / count;
-        rsv_bsdf_event event = rsv_bsdf_draw_event(bsdf, wo, up, true, u, x, y);
+        *alone += rsv_bsdf_draw_specular(bsdf, wo, up, true, (const float[3]){ u, x, y }).weight.r /
+                  count;
+        rsv_bsdf_event event = rsv_bsdf_draw_event(bsdf, wo, up, true, (const float[3]){ u, x, y });
         if (event.lobe == RSV_LOBE_REFLECT) *among += event.weight.r / count;
     }
 }

@@ -252,8 +252,9 @@ static shares stored_shares(
     const world *w, const rsv_light *s, const rsv_probe *probe, size_t places)
 {
     rsv_probe_reading *reading = malloc(places * sizeof *reading);
-    assert_int_equal(
-        rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, probe, places, 1024, 1, reading), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 1 },
+                         probe, places, reading),
+        RSV_OK);
     shares found = { INFINITY, 0, 0 };
     for (size_t k = 0; k < places; k++) {
         float stored = look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);
@@ -355,8 +356,8 @@ static void rows_start_from_the_points_that_were_judged(void **state)
     uint64_t rays = 0;
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue;
-        uint16_t judged = rsv_judge_points(
-            &inside(s)->scene, e, n, n, RSV_SUPPORT_POINTS, inside(s)->desc.seed, &rays);
+        uint16_t judged = rsv_judge_points(&inside(s)->scene, e, n, n,
+            (rsv_support_draw){ RSV_SUPPORT_POINTS, inside(s)->desc.seed }, &rays);
         if (inside(s)->valid_points[n] != judged)
             fail_msg("node %u of %zu: %04x of the points count, %04x were to", n, e->node_count,
                 judged, inside(s)->valid_points[n]);
@@ -435,8 +436,9 @@ static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
         float x = ((float)(k % 8) - 3.5f) / 4, z = ((float)(k / 8) - 3.5f) / 4;
         probe[k] = (rsv_probe){ v3(x, 0, z), v3(0, 1, 0) };
     }
-    assert_int_equal(
-        rsv_probe_irradiance(s, RSV_PROBE_REFERENCE, probe, PLACES, 4096, 1, exact), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_REFERENCE, 4096, 1 },
+                         probe, PLACES, exact),
+        RSV_OK);
     float stored = 0, traced = 0;
     for (int k = 0; k < PLACES; k++) {
         stored += look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);

@@ -407,8 +407,9 @@ static void one_pixel_is_a_constant_sky(void **state)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_light *solution;
     assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(
-        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 1024, 1, &solved), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(solution,
+                         &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 1 }, &probe, 1, &solved),
+        RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, &probe, 1, 1024, 1, &traced), RSV_OK);
     assert_float_equal(solved.irradiance.g, 2 * RSV_PI, 1e-3);
     assert_float_equal(traced.irradiance.g, 2 * RSV_PI, 0.02);

@@ -60,9 +60,14 @@ static rsv_status find(const rsv_light *s, uint32_t samples, bool on_device, pas
 {
     rsv_device *device = rsv_context_device(inside(s)->context);
     if (device) device->desc.rows = on_device;
-    rsv_status status = rsv_direct_irradiance(&inside(s)->scene, inside(s)->lights,
-        inside(s)->elements, RSV_SUPPORT_POINTS, samples, 7, inside(s)->valid_points, NULL,
-        p->irradiance, p->deviation, &p->rays);
+    const rsv_direct_job job = { .scene = &inside(s)->scene,
+        .elements = inside(s)->elements,
+        .setting = { inside(s)->lights, inside(s)->scene.bsdf, RSV_SUPPORT_POINTS, 7 },
+        .samples = samples,
+        .valid_points = inside(s)->valid_points };
+    rsv_direct_light light = { p->irradiance, p->deviation, 0 };
+    rsv_status status = rsv_direct_irradiance(&job, NULL, &light);
+    p->rays += light.rays;
     if (device) device->desc.rows = false;
     return status;
 }

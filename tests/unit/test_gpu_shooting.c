@@ -48,8 +48,8 @@ static rsv_status shoot(const rsv_light *s, bool on_device, shot *found)
     const rsv_elements *const elements[2] = { inside(s)->elements, inside(s)->elements };
     rsv_device *device = rsv_context_device(inside(s)->context);
     if (device) device->desc.rows = on_device;
-    rsv_status status = rsv_photons_shoot(
-        &inside(s)->scene, inside(s)->lights, PHOTONS, 7, elements, found->map, 2, &found->rays);
+    rsv_status status = rsv_photons_shoot(&inside(s)->scene, inside(s)->lights, PHOTONS, 7,
+        &(rsv_photon_targets){ elements, found->map, 2 }, &found->rays);
     if (device) device->desc.rows = false;
     return status;
 }

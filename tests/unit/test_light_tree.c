@@ -236,8 +236,9 @@ static void the_operator_agrees_with_the_reference(void **state)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_light *solution;
     assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(
-        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, probes, 2, 8192, 1, a), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(
+                         solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 8192, 1 }, probes, 2, a),
+        RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, probes, 2, 16384, 1, b), RSV_OK);
     for (int i = 0; i < 2; i++) {
         double error = sqrt((double)a[i].standard_error.g * a[i].standard_error.g +

@@ -110,12 +110,14 @@ static rows create_rows(world *w, float spacing, uint32_t ray_count)
     assert_int_equal(rsv_elements_separate(&w->transport, NULL, r.elements, &r.rays), RSV_OK);
     r.valid_points = calloc(r.elements->node_count, sizeof *r.valid_points);
     assert_non_null(r.valid_points);
-    assert_int_equal(rsv_find_buried(&w->transport, r.elements, RSV_SUPPORT_POINTS, 1, NULL,
-                         r.valid_points, &r.rays),
+    assert_int_equal(
+        rsv_find_buried(&w->transport, r.elements, (rsv_support_draw){ RSV_SUPPORT_POINTS, 1 },
+            NULL, r.valid_points, &r.rays),
         RSV_OK);
     assert_int_equal(rsv_elements_bridge_buried(r.elements, r.valid_points), RSV_OK);
-    assert_int_equal(rsv_transport_create(&w->transport, w->lights, r.elements, r.valid_points,
-                         ray_count, 1, &r.transport),
+    assert_int_equal(rsv_transport_create(&(rsv_transport_desc){ &w->transport, w->lights,
+                                              r.elements, r.valid_points, ray_count, 1 },
+                         &r.transport),
         RSV_OK);
     return r;
 }
@@ -443,10 +445,12 @@ static void split_cells_receive_their_share(void **state)
     r.elements = finer;
     r.valid_points = realloc(r.valid_points, finer->node_count * sizeof *r.valid_points);
     assert_int_equal(
-        rsv_find_buried(&w->transport, finer, RSV_SUPPORT_POINTS, 1, NULL, r.valid_points, &r.rays),
+        rsv_find_buried(&w->transport, finer, (rsv_support_draw){ RSV_SUPPORT_POINTS, 1 }, NULL,
+            r.valid_points, &r.rays),
         RSV_OK);
-    assert_int_equal(rsv_transport_create(
-                         &w->transport, w->lights, finer, r.valid_points, 1024, 1, &r.transport),
+    assert_int_equal(rsv_transport_create(&(rsv_transport_desc){ &w->transport, w->lights, finer,
+                                              r.valid_points, 1024, 1 },
+                         &r.transport),
         RSV_OK);
     assert_close(exchange(&r, is_floor, is_ceiling), 0.199824895698, 0.002);
     destroy_rows(&r);
@@ -467,8 +471,7 @@ static rsv_gather gather_from(const world *w, rsv_vec3 origin, rsv_vec3 directio
     rsv_hit hit;
     assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
     rsv_random random = rsv_random_from(11, index, 0);
-    rsv_specular_path path =
-        rsv_specular_begin(&w->transport, NULL, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, direction, hit);
     return rsv_specular_gather(&w->transport, path, &random, no_emission, NULL);
 }
 
@@ -653,8 +656,9 @@ static shot shoot(world *w, float spacing, uint32_t count)
         rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = spacing }, &s.elements),
         RSV_OK);
     const rsv_elements *const target[1] = { s.elements };
-    assert_int_equal(
-        rsv_photons_shoot(&w->transport, w->lights, count, 1, target, &s.map, 1, &s.rays), RSV_OK);
+    assert_int_equal(rsv_photons_shoot(&w->transport, w->lights, count, 1,
+                         &(rsv_photon_targets){ target, &s.map, 1 }, &s.rays),
+        RSV_OK);
     return s;
 }
 
@@ -704,7 +708,9 @@ static void a_shooter_may_be_used_again(void **state)
     for (int round = 0; round < 2; round++) {
         rsv_photon_map map;
         uint64_t rays = 0;
-        assert_int_equal(rsv_photons_deposit(shooter, count, target, &map, 1, &rays), RSV_OK);
+        assert_int_equal(
+            rsv_photons_deposit(shooter, count, &(rsv_photon_targets){ target, &map, 1 }, &rays),
+            RSV_OK);
         assert_memory_equal(map.flux, own.map.flux, own.elements->node_count * sizeof *map.flux);
         assert_int_equal(rays + pilot, own.rays);
         rsv_photon_map_destroy(&map);

@@ -198,8 +198,10 @@ static void check_same_probes(const rsv_light *a, const rsv_light *b)
         { { 0.4f, 0.7f, 0.3f }, { 0, 0.6f, 0.8f } } };
     rsv_probe_reading left[2], right[2];
     for (int mode = RSV_PROBE_LOOKUP; mode <= RSV_PROBE_OPERATOR; mode++) {
-        assert_int_equal(rsv_probe_irradiance(a, mode, probe, 2, 256, 5, left), RSV_OK);
-        assert_int_equal(rsv_probe_irradiance(b, mode, probe, 2, 256, 5, right), RSV_OK);
+        assert_int_equal(
+            rsv_probe_irradiance(a, &(rsv_probe_desc){ mode, 256, 5 }, probe, 2, left), RSV_OK);
+        assert_int_equal(
+            rsv_probe_irradiance(b, &(rsv_probe_desc){ mode, 256, 5 }, probe, 2, right), RSV_OK);
         assert_memory_equal(left, right, sizeof left);
     }
 }

@@ -49,8 +49,9 @@ static built build(const room *r)
     assert_int_equal(rsv_elements_separate(&w->transport, NULL, b.elements, &rays), RSV_OK);
     b.valid_points = calloc(b.elements->node_count, sizeof *b.valid_points);
     assert_non_null(b.valid_points);
-    assert_int_equal(rsv_find_buried(&w->transport, b.elements, RSV_SUPPORT_POINTS, SEED, NULL,
-                         b.valid_points, &rays),
+    assert_int_equal(
+        rsv_find_buried(&w->transport, b.elements, (rsv_support_draw){ RSV_SUPPORT_POINTS, SEED },
+            NULL, b.valid_points, &rays),
         RSV_OK);
     assert_int_equal(rsv_elements_bridge_buried(b.elements, b.valid_points), RSV_OK);
     return b;
@@ -77,8 +78,9 @@ static void trace_rows(const room *r)
     rsv_transport *transport;
     rsv_update update = { .store = open_folder(b.w->context, r->rows) };
     b.w->transport.update = &update;
-    assert_int_equal(rsv_transport_create(&b.w->transport, b.w->lights, b.elements, b.valid_points,
-                         RAYS, SEED, &transport),
+    assert_int_equal(rsv_transport_create(&(rsv_transport_desc){ &b.w->transport, b.w->lights,
+                                              b.elements, b.valid_points, RAYS, SEED },
+                         &transport),
         RSV_OK);
     rsv_transport_destroy(transport);
     rsv_store_destroy(update.store);

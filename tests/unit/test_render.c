@@ -294,8 +294,7 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_ray ray = { v3(x - 0.5f, y - 0.5f, 0.99f), v3(0, 0, -1), INFINITY };
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
-        rsv_specular_path path = rsv_specular_begin(
-            &w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
         const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false };
         rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
@@ -408,8 +407,9 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
         { { 0.9f, 0.9f, 0 }, { -0.7f, -0.7f, 0 } }, { { -1, 0.2f, 0.1f }, { 1, 0, 0 } } };
     enum { COUNT = sizeof probe / sizeof *probe };
     rsv_probe_reading found[COUNT], expected[COUNT];
-    assert_int_equal(
-        rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, probe, COUNT, 4096, 1, found), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(
+                         s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 }, probe, COUNT, found),
+        RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, probe, COUNT, 8192, 1, expected), RSV_OK);
     for (int k = 0; k < COUNT; k++) {
         double error =

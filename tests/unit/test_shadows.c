@@ -222,8 +222,9 @@ static void curtains_dim_all_that_passes(void **state)
         rsv_light *s = solve(w);
         rsv_probe probe = { v3(0.11f, 0, 0.07f), v3(0, 1, 0) };
         rsv_probe_reading reading;
-        assert_int_equal(
-            rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, &probe, 1, 256, 1, &reading), RSV_OK);
+        assert_int_equal(rsv_probe_irradiance(
+                             s, &(rsv_probe_desc){ RSV_PROBE_LOOKUP, 256, 1 }, &probe, 1, &reading),
+            RSV_OK);
         mean[k] = reading.irradiance.g;
         rsv_light_destroy(s);
         world_end(w);
@@ -350,7 +351,7 @@ static rsv_specular_path place_of(const world *w, uint32_t facet, uint32_t k)
     rsv_sobol_2d(k, facet, &x, &y);
     rsv_square_to_triangle(x, y, &u, &v);
     rsv_vec3 normal = rsv_surface_point_at(view, facet, u, v, false).geometric;
-    return rsv_specular_begin(&w->transport, NULL, v3_neg(normal), facet, u, v, 1);
+    return rsv_specular_begin(&w->transport, NULL, v3_neg(normal), (rsv_hit){ facet, 1, u, v });
 }
 
 /// What sources send to a surface that stands alone.

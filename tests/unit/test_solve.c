@@ -115,7 +115,9 @@ static void lookups_find_the_side_that_a_probe_lies_on(void **state)
     const rsv_probe probe[2] = { { v3(0.3f, 0.4f, 0), v3(0, 0, 1) },
         { v3(0.3f, 0.4f, 0), v3(0, 0, -1) } };
     rsv_probe_reading reading[2];
-    assert_int_equal(rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, probe, 2, 1, 1, reading), RSV_OK);
+    assert_int_equal(
+        rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_LOOKUP, 1, 1 }, probe, 2, reading),
+        RSV_OK);
     assert_close(reading[0].irradiance.g, 2, 4e-3);
     assert_close(reading[1].irradiance.g, 0, 1e-6);
     rsv_light_destroy(s);
@@ -629,16 +631,19 @@ static void a_single_failed_allocation_is_an_error_and_nothing_leaks(void **stat
 
 static bool cancel_while_assembling(void *user, const char *phase, double fraction)
 {
-    (void)user, (void)fraction;
-    return strcmp(phase, "assemble") != 0;
+    (void)fraction;
+    const bool *wanted = user;
+    return !*wanted || strcmp(phase, "assemble") != 0;
 }
 
-static void work_can_be_cancelled(void **state)
+static void cancelled_work_can_begin_again(void **state)
 {
     (void)state;
+    bool cancel = true;
     rsv_context *context;
     rsv_context_desc desc = rsv_default_context_desc();
     desc.progress = cancel_while_assembling;
+    desc.user = &cancel;
     assert_int_equal(rsv_context_create(&desc, &context), RSV_OK);
     rsv_scene *scene;
     assert_int_equal(rsv_scene_builtin(context, "cornell-blocks", &scene), RSV_OK);
@@ -646,6 +651,12 @@ static void work_can_be_cancelled(void **state)
     rsv_light *s = NULL;
     assert_int_equal(rsv_light_create(scene, &settings, &s), RSV_ERROR_CANCELLED);
     assert_null(s);
+
+    cancel = false;
+    assert_int_equal(rsv_light_create(scene, &settings, &s), RSV_ERROR_CANCELLED);
+    assert_int_equal(rsv_context_reset_cancel(context), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &settings, &s), RSV_OK);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
     rsv_context_destroy(context);
 }
@@ -672,7 +683,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bad_descriptors_are_refused_by_name),
         cmocka_unit_test(a_share_of_contacts_takes_fewer_rows),
         cmocka_unit_test(memory_may_run_out_here_and_there),
-        cmocka_unit_test(work_can_be_cancelled),
+        cmocka_unit_test(cancelled_work_can_begin_again),
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),

@@ -350,7 +350,9 @@ static rsv_rgb read_irradiance(const rsv_scene *scene, rsv_probe_mode mode, rsv_
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_light *solution;
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
-    assert_int_equal(rsv_probe_irradiance(solution, mode, &probe, 1, 1 << 16, 1, &reading), RSV_OK);
+    assert_int_equal(
+        rsv_probe_irradiance(solution, &(rsv_probe_desc){ mode, 1 << 16, 1 }, &probe, 1, &reading),
+        RSV_OK);
     rsv_light_destroy(solution);
     return reading.irradiance;
 }
@@ -420,7 +422,8 @@ static void textured_emitters_are_sampled_by_brightness(void **state)
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     // one sample in four casts a shadow ray there
     assert_int_equal(
-        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 8 * SAMPLES, 1, &solved),
+        rsv_probe_irradiance(
+            solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 8 * SAMPLES, 1 }, &probe, 1, &solved),
         RSV_OK);
     assert_float_equal(
         traced.irradiance.g, expected, 4 * traced.standard_error.g + 1e-5 * expected);
@@ -440,8 +443,9 @@ static double below_lamp(rsv_scene *scene, rsv_probe_reading *reading)
     rsv_probe probe = { v3(0.2f, 0.1f, 2), v3(0, 0, -1) };
     desc.element_target = 50;
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
-    assert_int_equal(
-        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 4096, 1, reading), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(solution,
+                         &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 }, &probe, 1, reading),
+        RSV_OK);
     rsv_light_destroy(solution);
     return reading->irradiance.g;
 }

@@ -266,7 +266,7 @@ static double apart_after_a_move(uint32_t seed)
     rsv_random random = rsv_random_from(seed, 0, 0);
     rsv_solve_desc desc = fewer_elements();
     desc.element_target = 600;
-    desc.rays_per_element = 128;
+    desc.rays_per_element = 256;
     desc.refinements = desc.direct_levels = 0;
     desc.seed = seed;
     memory m = new_memory();

@@ -1,9 +1,7 @@
+#include "operator_constants.h"
 #include "stored_rows_internal.h"
 #include "transport_lists.h"
 #include "transport_rows.h"
-
-/// Entries below which waking the threads takes longer than the work.
-#define PARALLEL_ENTRIES 65536
 
 /// Sum of a field at the ends of a row. Four sums at once: additions that wait for each other would take longer than
 /// the loads.

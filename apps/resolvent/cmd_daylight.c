@@ -1,0 +1,268 @@
+#include "command.h"
+#include "daylight_page.h"
+#include "options.h"
+#include "output_file.h"
+#include "subject.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char help[] =
+    "usage: resolvent daylight SCENE --weather FILE.epw -o REPORT.{html,json,csv} [options]\n"
+    "\n"
+    "Daylight at sensors over a year of weather: mean illuminance, daylight autonomy, useful "
+    "daylight,\n"
+    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; lamps of "
+    "the\n"
+    "scene are off. See docs/daylight.md.\n"
+    "\n"
+    "  --weather FILE     EnergyPlus weather (.epw) or Daysim's (.wea)\n"
+    "  -o FILE            the report: a page that stands alone (.html), or .json or .csv\n"
+    "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"
+    "  --height M         of those grids above the floor (default 0.8)\n"
+    "  --spacing M        of those grids (default 0.5)\n"
+    "  --north DEG        north lies so many degrees clockwise from -z, seen from above (default "
+    "0)\n"
+    "  --ground ALBEDO    of the ground outside the scene (default 0.2)\n"
+    "  --sky-only         leave the sun out; the ground outside is lit by it all the same\n"
+    "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
+    "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
+    "lux\n" CLI_MESH_HELP CLI_SOLVE_HELP
+    "  --samples N        rays per sensor (default by quality: 15360, 61440, 245760)\n"
+    "  --threads N        default: one per processor; the figures do not depend on it\n"
+    "\n"
+    "examples:\n"
+    "  resolvent daylight office.glb --weather chicago.epw -o office.html\n"
+    "  resolvent daylight office.glb --weather chicago.epw --points desks.csv --north 30 \\\n"
+    "      --hourly desks-hours.csv -o desks.json\n";
+
+typedef struct settings {
+    const char *scene, *weather, *points, *output, *hourly, *mesh;
+    cli_solve_choice solve;
+    float north, ground, height, spacing, from, to;
+    uint32_t samples, threads;
+    bool sky_only;
+} settings;
+
+/// NAN = not given
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "--weather", .kind = CLI_TEXT, .value = &s->weather },
+        { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
+        { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
+        { .name = "--hourly", .kind = CLI_TEXT, .value = &s->hourly },
+        { .name = "--height", .kind = CLI_REAL, .value = &s->height, .min = 0.001, .max = 100 },
+        { .name = "--spacing", .kind = CLI_REAL, .value = &s->spacing, .min = 0.01, .max = 100 },
+        { .name = "--north", .kind = CLI_REAL, .value = &s->north, .min = -360, .max = 360 },
+        { .name = "--ground", .kind = CLI_REAL, .value = &s->ground, .min = 0, .max = 1 },
+        { .name = "--sky-only", .kind = CLI_FLAG, .value = &s->sky_only },
+        { .name = "--from", .kind = CLI_REAL, .value = &s->from, .min = 0, .max = 24 },
+        { .name = "--to", .kind = CLI_REAL, .value = &s->to, .min = 0, .max = 24 },
+        { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_MESH_OPTION(&s->mesh),
+        CLI_SOLVE_OPTIONS(&s->solve),
+        { .name = NULL },
+    };
+    const cli_usage usage = { "daylight", help, options, "SCENE", 1, 1 };
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (!s->weather || !s->output)
+        *exit_status =
+            cli_usage_error("daylight", "%s is missing", s->weather ? "-o FILE" : "--weather FILE");
+    else if (!cli_ends_in(s->output, ".html") && !cli_ends_in(s->output, ".json") &&
+             !cli_ends_in(s->output, ".csv"))
+        *exit_status =
+            cli_usage_error("daylight", "-o %s: reports are .html, .json or .csv", s->output);
+    else if (s->from >= s->to)
+        *exit_status = cli_usage_error("daylight", "--from is not before --to");
+    else
+        return true;
+    return false;
+}
+
+/// What a run works on.
+typedef struct daylight_job {
+    cli_session *session;
+    const settings *s;
+    rsv_scene *scene;
+    cli_points points;
+    rsv_weather weather;
+    rsv_daylight_desc desc;
+    rsv_daylight_run_desc run;
+    rsv_light *light;
+    rsv_daylight *daylight;
+    rsv_daylight_report report;
+} daylight_job;
+
+/// Grids of the library's, as points of a file would be.
+static rsv_status lay_grids(daylight_job *job)
+{
+    size_t count = 0;
+    rsv_status status = rsv_daylight_sensors(
+        job->scene, (double)job->s->height, (double)job->s->spacing, &job->points.probe, &count);
+    if (status != RSV_OK) return status;
+    rsv_probe *laid = job->points.probe;
+    const double *origin = rsv_scene_get_view(job->scene)->origin;
+    job->points.probe = calloc(count, sizeof *laid);
+    job->points.given = calloc(count, sizeof *job->points.given);
+    if (!job->points.probe || !job->points.given) {
+        rsv_daylight_free_sensors(job->scene, laid);
+        return RSV_ERROR_MEMORY;
+    }
+    for (size_t k = 0; k < count; k++) {
+        const float *p = &laid[k].position.x;
+        job->points.probe[k] = laid[k];
+        for (int axis = 0; axis < 3; axis++)
+            job->points.given[k][axis] = (double)p[axis] + origin[axis];
+        job->points.given[k][4] = 1;
+    }
+    job->points.count = count;
+    rsv_daylight_free_sensors(job->scene, laid);
+    return RSV_OK;
+}
+
+static rsv_status solve(daylight_job *job)
+{
+    const settings *s = job->s;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    desc.goal_points = job->points.probe;
+    desc.goal_point_count = job->points.count;
+    desc.photon_count = 0; // of lamps alone, which are off
+    desc.direct_level = false;
+    rsv_status status = rsv_daylight_surround(job->scene, &job->weather, &job->desc);
+    if (status == RSV_OK) status = rsv_light_create(job->scene, &desc, &job->light);
+    if (status == RSV_OK)
+        status = rsv_daylight_create(
+            job->light, job->points.probe, job->points.count, &job->desc, &job->daylight);
+    if (status == RSV_OK)
+        status = rsv_daylight_run(job->daylight, &job->weather, &job->run, &job->report);
+    return status;
+}
+
+static size_t count_buried(const daylight_job *job)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < job->points.count; k++)
+        count += rsv_daylight_is_buried(job->daylight, k);
+    if (count) {
+        char text[128];
+        snprintf(text, sizeof text,
+            "%zu of %zu sensors see mostly backs of walls: they lie within something", count,
+            job->points.count);
+        cli_warn(job->session, text);
+    }
+    return count;
+}
+
+static bool write_reports(const daylight_job *job)
+{
+    const settings *s = job->s;
+    cli_daylight_result result = { s->scene, s->weather, &job->points, &job->weather, &job->desc,
+        &job->run, &job->report, job->run.hourly, count_buried(job) };
+    bool written = cli_ends_in(s->output, ".html")   ? cli_write_daylight_page(s->output, &result)
+                   : cli_ends_in(s->output, ".json") ? cli_write_daylight_json(s->output, &result)
+                                                     : cli_write_daylight_csv(s->output, &result);
+    return written && (!s->hourly || cli_write_daylight_hours(s->hourly, &result));
+}
+
+static void print_space(const daylight_job *job)
+{
+    for (int f = 0; f < RSV_SPACE_FIGURES; f++) {
+        rsv_figure_facts facts = rsv_space_figure_facts((rsv_space_figure)f);
+        rsv_figure figure = job->report.space[f];
+        bool share = facts.unit[0] == '1';
+        printf("%-42s %8.4g +- %-8.2g %s\n", facts.title, (share ? 100 : 1) * figure.value,
+            (share ? 100 : 1) * figure.standard_error, share ? "%" : facts.unit);
+    }
+    printf("%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(&job->report));
+}
+
+static void close_job(daylight_job *job)
+{
+    free(job->run.hourly);
+    if (job->daylight) rsv_daylight_report_free(job->daylight, &job->report);
+    rsv_daylight_destroy(job->daylight);
+    rsv_light_destroy(job->light);
+    rsv_weather_free(job->session->context, &job->weather);
+    cli_free_points(&job->points);
+    rsv_scene_destroy(job->scene);
+}
+
+static rsv_status find_sensors(daylight_job *job)
+{
+    if (!job->s->points) return lay_grids(job);
+    cli_place_points(&job->points, job->scene);
+    return RSV_OK;
+}
+
+static bool keep_hours(daylight_job *job)
+{
+    if (!job->s->hourly && !cli_ends_in(job->s->output, ".html")) return true;
+    job->run.hourly = calloc(job->weather.count * job->points.count, sizeof *job->run.hourly);
+    if (!job->run.hourly)
+        cli_error(
+            "out of memory for %zu hours of %zu sensors", job->weather.count, job->points.count);
+    return job->run.hourly;
+}
+
+static int run(daylight_job *job)
+{
+    const settings *s = job->s;
+    if (s->points && !cli_read_points(s->points, &job->points)) return CLI_FAILURE;
+    rsv_status status = rsv_weather_read(job->session->context, s->weather, &job->weather);
+    if (status != RSV_OK) return cli_report_failure(job->session, status);
+    job->scene = cli_open_scene(job->session, s->scene, NULL);
+    if (!job->scene) return CLI_FAILURE;
+    status = find_sensors(job);
+    if (status != RSV_OK) return cli_report_failure(job->session, status);
+    if (!keep_hours(job)) return CLI_FAILURE;
+    status = solve(job);
+    if (status != RSV_OK) return cli_report_failure(job->session, status);
+    if (!write_reports(job)) return CLI_FAILURE;
+    print_space(job);
+    return CLI_SUCCESS;
+}
+
+static void describe(const settings *s, daylight_job *job)
+{
+    job->desc = rsv_default_daylight_desc((rsv_quality)s->solve.quality);
+    job->desc.north = isnan(s->north) ? 0 : (double)s->north;
+    job->desc.ground_albedo = s->ground;
+    job->desc.seed = s->solve.seed;
+    if (s->samples) job->desc.sensor_rays = s->samples;
+    job->run = rsv_default_daylight_run_desc();
+    job->run.sky_only = s->sky_only;
+    job->run.from = (double)s->from;
+    job->run.to = (double)s->to;
+    if (isnan(s->north)) fputs("note: no --north is given: it is taken to lie along -z\n", stderr);
+}
+
+int cli_daylight(int argc, char **argv)
+{
+    settings s = { .solve = CLI_DEFAULT_SOLVE,
+        .north = NAN,
+        .ground = 0.2f,
+        .height = 0.8f,
+        .spacing = 0.5f,
+        .from = 8,
+        .to = 18 };
+    int exit_status;
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    cli_session session;
+    exit_status = CLI_FAILURE;
+    if (cli_check_output(s.output) && (!s.hourly || cli_check_output(s.hourly)) &&
+        cli_check_apart(s.output, s.points) && cli_check_apart(s.output, s.weather) &&
+        cli_check_apart(s.hourly, s.points) && cli_check_apart(s.hourly, s.weather) &&
+        cli_check_apart(s.hourly, s.output) && cli_prepare_solve(&s.solve) &&
+        cli_session_begin(&session, s.threads)) {
+        session.mesh = s.mesh;
+        daylight_job job = { .session = &session, .s = &s };
+        describe(&s, &job);
+        exit_status = run(&job);
+        close_job(&job);
+        cli_session_end(&session);
+    }
+    return exit_status;
+}

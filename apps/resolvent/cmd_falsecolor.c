@@ -1,0 +1,254 @@
+#include "color_scale.h"
+#include "command.h"
+#include "options.h"
+#include "photometry.h"
+#include "session.h"
+#include "view/view_canvas.h"
+
+#include "resolvent/image.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char help[] =
+    "usage: resolvent falsecolor IN.{exr,hdr} -o OUT.png [options]\n"
+    "\n"
+    "Shows the luminance of a picture in colours, with a scale in cd/m2: 683 lm/W times the "
+    "luminance "
+    "of\n"
+    "its radiance, CIE 1931 Y. Lines join places of the luminances that the scale names.\n"
+    "\n"
+    "  -o FILE            the picture\n"
+    "  --max CD           luminance at the top of the scale (default: the brightest 0.1 % are "
+    "above)\n"
+    "  --min CD           at its foot (default: 0; with --log a thousandth of the top)\n"
+    "  --log              colours by the logarithm\n"
+    "  --lines N          values on the scale, and lines for them (default 8; 0 = no lines)\n"
+    "  --efficacy LM/W    other than 683, such as 179 for pictures made with that\n"
+    "\n"
+    "examples:\n"
+    "  resolvent render office.glb -o office.exr\n"
+    "  resolvent falsecolor office.exr -o office-luminance.png --max 5000 --log\n";
+
+enum { scale_width = 96, bar_left = 12, bar_width = 18, least_height = 64, most_lines = 32 };
+
+typedef struct settings {
+    const char *input, *output;
+    float least, most, efficacy; ///< NAN = not given
+    uint32_t lines;
+    bool logarithmic;
+} settings;
+
+/// Luminances between the foot and the top of the scale.
+typedef struct luminance_scale {
+    double least, most;
+    bool logarithmic;
+} luminance_scale;
+
+/// Place on the scale, from 0 to 1 and beyond.
+static double place_of(const luminance_scale *s, double value)
+{
+    if (!s->logarithmic) return (value - s->least) / (s->most - s->least);
+    return value > 0 ? log(value / s->least) / log(s->most / s->least) : -1;
+}
+
+static double value_at(const luminance_scale *s, double place)
+{
+    if (!s->logarithmic) return s->least + place * (s->most - s->least);
+    return s->least * pow(s->most / s->least, place);
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/// What all but a thousandth of the pixels stay below; 1 for a black picture. Reorders a copy.
+static bool find_top(const float *luminance, size_t count, double *top)
+{
+    float *sorted = malloc(count * sizeof *sorted);
+    if (!sorted) return false;
+    for (size_t k = 0; k < count; k++)
+        sorted[k] = luminance[k];
+    qsort(sorted, count, sizeof *sorted, compare_floats);
+    *top = (double)sorted[count - 1 - count / 1000];
+    if (!(*top > 0)) *top = (double)sorted[count - 1];
+    if (!(*top > 0)) *top = 1;
+    free(sorted);
+    return true;
+}
+
+/// The scale that was asked for; says what is wrong with it.
+static bool choose_scale(
+    const settings *s, const float *luminance, size_t count, luminance_scale *scale)
+{
+    double top = 0;
+    if (!find_top(luminance, count, &top)) {
+        cli_error("out of memory for %zu pixels", count);
+        return false;
+    }
+    scale->logarithmic = s->logarithmic;
+    scale->most = isnan(s->most) ? top : (double)s->most;
+    scale->least = !isnan(s->least) ? (double)s->least : s->logarithmic ? scale->most / 1000 : 0;
+    if (scale->least < scale->most && (!s->logarithmic || scale->least > 0)) return true;
+    cli_error("--min %g is not below the top of the scale, %g%s", scale->least, scale->most,
+        s->logarithmic ? ", or not above 0 as --log needs" : "");
+    return false;
+}
+
+static void paint(uint8_t pixel[4], double place)
+{
+    double srgb[3];
+    cli_scale_color(place, srgb);
+    for (int c = 0; c < 3; c++)
+        pixel[c] = (uint8_t)lround(srgb[c]);
+    pixel[3] = 255;
+}
+
+/// The band between two lines that a place lies in.
+static int band_of(double place, uint32_t lines)
+{
+    return (int)floor(fmin(fmax(place, -1), 2) * lines);
+}
+
+/// Whether a line runs between a pixel and its neighbour to the right or below.
+static bool is_on_line(
+    const float *place, uint32_t width, uint32_t height, uint32_t at, uint32_t lines)
+{
+    uint32_t x = at % width, y = at / width;
+    int band = band_of((double)place[at], lines);
+    return (x + 1 < width && band_of((double)place[at + 1], lines) != band) ||
+           (y + 1 < height && band_of((double)place[at + width], lines) != band);
+}
+
+/// @param place [height * width] of each pixel on the scale
+static void draw_picture(
+    cli_canvas *canvas, const float *place, uint32_t width, uint32_t height, uint32_t lines)
+{
+    for (uint32_t at = 0; at < width * height; at++) {
+        uint8_t *pixel = canvas->pixel[(size_t)(at / width) * canvas->width + at % width];
+        paint(pixel, (double)place[at]);
+        bool line = lines && is_on_line(place, width, height, at, lines);
+        for (int c = 0; line && c < 3; c++)
+            pixel[c] = (uint8_t)(place[at] > 0.7f ? pixel[c] / 3 : 128 + pixel[c] / 2);
+    }
+}
+
+static void draw_scale(
+    cli_canvas *canvas, uint32_t left, const luminance_scale *scale, uint32_t lines)
+{
+    const cli_ink white = { 255, 255, 255, 1 }, black = { 0, 0, 0, 1 };
+    float x = (float)left, tall = (float)canvas->height, size = 7;
+    uint32_t values = lines ? lines : 4;
+    cli_draw_box(canvas, x, 0, scale_width, tall, white);
+    float foot = tall - 16, head = 28;
+    for (uint32_t y = (uint32_t)head; y < (uint32_t)foot; y++)
+        for (uint32_t k = 0; k < bar_width; k++)
+            paint(canvas->pixel[(size_t)y * canvas->width + left + bar_left + k],
+                ((double)foot - y) / (double)(foot - head));
+    cli_draw_text(canvas, x + bar_left, 16, size, "cd/m2", black);
+    uint32_t step = 1 + (uint32_t)((float)values * 14 / (foot - head));
+    for (uint32_t k = 0; k <= values; k += step) {
+        char text[32];
+        float y = foot - (foot - head) * (float)k / (float)values;
+        snprintf(text, sizeof text, "%.4g", value_at(scale, (double)k / values));
+        cli_draw_box(canvas, x + bar_left + bar_width, y - 0.5f, 4, 1, black);
+        cli_draw_text(canvas, x + bar_left + bar_width + 8, y + 3.5f, size, text, black);
+    }
+}
+
+/// From codes to the linear colours that pictures hold.
+static rsv_status to_image(rsv_context *context, const cli_canvas *canvas, rsv_image **image)
+{
+    rsv_status status = rsv_image_create(context, canvas->width, canvas->height, 1, image);
+    for (size_t k = 0; status == RSV_OK && k < (size_t)canvas->width * canvas->height; k++) {
+        float linear[3];
+        for (int c = 0; c < 3; c++) {
+            float v = (float)canvas->pixel[k][c] / 255;
+            linear[c] = v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
+        }
+        rsv_image_pixels(*image, 0)[k] = (rsv_rgb){ linear[0], linear[1], linear[2] };
+    }
+    return status;
+}
+
+/// Turns luminances into places, and draws.
+static rsv_status draw(
+    cli_session *session, const settings *s, const rsv_image *in, float *luminance)
+{
+    uint32_t width = rsv_image_width(in), height = rsv_image_height(in);
+    luminance_scale scale;
+    if (!choose_scale(s, luminance, (size_t)width * height, &scale)) return RSV_ERROR_CANCELLED;
+    rsv_image *out = NULL;
+    cli_canvas canvas = { width + scale_width, height > least_height ? height : least_height,
+        NULL };
+    canvas.pixel = calloc((size_t)canvas.width * canvas.height, sizeof *canvas.pixel);
+    rsv_status status = canvas.pixel ? RSV_OK : RSV_ERROR_MEMORY;
+    if (status == RSV_OK) {
+        for (size_t k = 0; k < (size_t)width * height; k++)
+            luminance[k] = (float)place_of(&scale, (double)luminance[k]);
+        draw_picture(&canvas, luminance, width, height, s->lines);
+        draw_scale(&canvas, width, &scale, s->lines);
+        status = to_image(session->context, &canvas, &out);
+    }
+    if (status == RSV_OK) status = rsv_image_write(out, s->output, 0);
+    rsv_image_destroy(out);
+    free(canvas.pixel);
+    return status;
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    rsv_image *image = NULL;
+    rsv_status status = rsv_image_read(session->context, s->input, &image);
+    if (status != RSV_OK) return cli_report_failure(session, status);
+    size_t count = (size_t)rsv_image_width(image) * rsv_image_height(image);
+    float *luminance = calloc(count, sizeof *luminance);
+    const rsv_rgb *pixel = rsv_image_const_pixels(image, 0);
+    double scale = (double)s->efficacy / CLI_LUMINOUS_EFFICACY;
+    for (size_t k = 0; luminance && k < count; k++) {
+        double value = scale * cli_luminous(pixel[k]);
+        luminance[k] = isfinite(value) && value > 0 ? (float)fmin(value, 1e30) : 0;
+    }
+    int exit_status = CLI_FAILURE;
+    if (!luminance) cli_error("out of memory for %zu pixels", count);
+    if (luminance) status = draw(session, s, image, luminance);
+    if (luminance && status == RSV_OK)
+        exit_status = CLI_SUCCESS;
+    else if (luminance && status != RSV_ERROR_CANCELLED)
+        cli_report_failure(session, status);
+    free(luminance);
+    rsv_image_destroy(image);
+    return exit_status;
+}
+
+int cli_falsecolor(int argc, char **argv)
+{
+    settings s = {
+        .least = NAN, .most = NAN, .efficacy = (float)CLI_LUMINOUS_EFFICACY, .lines = 8
+    };
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_TEXT, .value = &s.output },
+        { .name = "--max", .kind = CLI_REAL, .value = &s.most, .min = 1e-9, .max = 1e12 },
+        { .name = "--min", .kind = CLI_REAL, .value = &s.least, .min = 0, .max = 1e12 },
+        { .name = "--log", .kind = CLI_FLAG, .value = &s.logarithmic },
+        { .name = "--lines", .kind = CLI_COUNT, .value = &s.lines, .max = most_lines },
+        { .name = "--efficacy", .kind = CLI_REAL, .value = &s.efficacy, .min = 1e-3, .max = 1e6 },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "falsecolor", help, options, "IN.exr", 1, 1 };
+    int exit_status;
+    if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
+    if (!s.output) return cli_usage_error("falsecolor", "-o OUT.png is missing");
+    if (rsv_image_check_output(s.output) != RSV_OK) {
+        cli_error("%s", rsv_last_error());
+        return CLI_FAILURE;
+    }
+    cli_session session;
+    if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    exit_status = run(&session, &s);
+    cli_session_end(&session);
+    return exit_status;
+}

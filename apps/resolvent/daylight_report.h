@@ -1,0 +1,30 @@
+/// What `resolvent daylight` writes: CSV, JSON, hours of all sensors, and a page (daylight_page.h).
+#ifndef CLI_DAYLIGHT_REPORT_H
+#define CLI_DAYLIGHT_REPORT_H
+
+#include "points_csv.h"
+
+#include "resolvent/daylight.h"
+
+typedef struct cli_daylight_result {
+    const char *scene, *weather_path;
+    const cli_points *points; ///< the sensors
+    const rsv_weather *weather;
+    const rsv_daylight_desc *desc;
+    const rsv_daylight_run_desc *run;
+    const rsv_daylight_report *report;
+    const float *hourly; ///< [weather->count][points->count] lux; NULL = not kept
+    size_t buried;       ///< sensors that lie within something
+} cli_daylight_result;
+
+/// One line per sensor: place, normal, each figure with its standard error. Says what went wrong on standard error, as all of these.
+bool cli_write_daylight_csv(const char *path, const cli_daylight_result *result);
+/// Figures of the space and of each sensor.
+bool cli_write_daylight_json(const char *path, const cli_daylight_result *result);
+/// One line per record of the weather file: month, day, hour, and the lux of each sensor.
+bool cli_write_daylight_hours(const char *path, const cli_daylight_result *result);
+
+/// "minimum", ... of the recommendation that the space meets.
+const char *cli_daylight_class_name(const rsv_daylight_report *report);
+
+#endif

@@ -1,0 +1,15 @@
+/// --fog and --fog-height.
+#ifndef CLI_FOG_OPTION_H
+#define CLI_FOG_OPTION_H
+
+#include "resolvent/scene.h"
+
+typedef struct cli_fog {
+    const char *medium; ///< EXTINCTION[,ALBEDO[,G]]; NULL = clear air
+    const char *height; ///< SCALE[,BASE]; NULL = the same everywhere
+} cli_fog;
+
+/// Reads both into `fog`, as the library has yet to check it. Prints what cannot be read; false then.
+bool cli_read_fog(const cli_fog *given, rsv_fog *fog);
+
+#endif

@@ -1,0 +1,57 @@
+"""What goes wrong, as exceptions. Each is also the builtin exception that Python's users expect there."""
+from __future__ import annotations
+
+from ._native import ffi, lib
+
+
+class ResolventError(Exception):
+    """Base of all exceptions of this package but TypeError and ValueError, which tell of wrong arguments."""
+
+
+class ArgumentError(ResolventError, ValueError):
+    """The library refused an argument; the message says which, and what to do."""
+
+
+class FileError(ResolventError, OSError):
+    """A file cannot be opened, read or written."""
+
+
+class FormatError(ResolventError, ValueError):
+    """The content of a file or array is malformed."""
+
+
+class UnsupportedError(ResolventError, NotImplementedError):
+    """Well-formed, but beyond what the library does."""
+
+
+class SceneError(ResolventError, ValueError):
+    """A scene without a bounded or meaningful answer."""
+
+
+class OutOfMemoryError(ResolventError, MemoryError):
+    """Out of memory."""
+
+
+class Cancelled(ResolventError):
+    """Stopped by Context.cancel, or because the progress function returned False."""
+
+
+class ResolventWarning(UserWarning):
+    """What the library warns of: parts of a file that are left out, light that is taken on trust, ..."""
+
+
+_OF_STATUS = {
+    lib.RSV_ERROR_ARGUMENT: ArgumentError,
+    lib.RSV_ERROR_IO: FileError,
+    lib.RSV_ERROR_FORMAT: FormatError,
+    lib.RSV_ERROR_UNSUPPORTED: UnsupportedError,
+    lib.RSV_ERROR_SCENE: SceneError,
+    lib.RSV_ERROR_MEMORY: OutOfMemoryError,
+    lib.RSV_ERROR_CANCELLED: Cancelled,
+}
+
+
+def error_of(status: int) -> ResolventError:
+    """The exception for a status that is not RSV_OK, with the calling thread's message."""
+    message = ffi.string(lib.rsv_last_error()).decode("utf-8", "replace")
+    return _OF_STATUS.get(status, ResolventError)(message)

@@ -1,0 +1,122 @@
+/// What the room tunes by, with what was measured of it. The rest is chosen, not measured.
+#ifndef RSV_BAKE_CONSTANTS_H
+#define RSV_BAKE_CONSTANTS_H
+
+/// Light below this share of the mean is dark: nobody sees relative errors there.
+#define DARK 0.05f
+
+// ---- Which side of a surface is shown (bake_side.c) --------------------------------------------------
+
+/// A side is narrow if one sees less than so many metres from it in the mean, all beyond FAR being as far: nobody looks from
+/// within cushions, or from behind skirting boards, but from rooms. Measured: white room: armchair, cornice and skirting
+/// boards were black without; fireplace room: ceiling and panels under windows as bright as outside.
+#define NARROW 0.35
+#define FAR 2.0f
+/// It is narrower than another if one sees less than this share of what one sees there.
+#define NARROWER 0.5
+/// A front that receives less than this share of what its back does is in the dark.
+#define DARK_FRONT 0.05
+/// Rays from each side of a surface.
+#define SIDE_RAYS 64
+/// Where neighbours' normals have a cosine of less, a surface has a crease.
+#define SIDE_CREASE 0.7f
+/// A piece between creases whose front receives so many times what its back does shows it, whatever the whole surface does: of
+/// a slab above a ceiling one sees nothing, of the beam below it that hangs on the same mesh, a face.
+#define LIGHTER 1.5
+
+// ---- Charts (bake_chart.c, bake_layout.c, bake_pack.c) -----------------------------------------------
+
+/// Neighbours that meet sharper are in different charts (cosine).
+#define CHART_CREASE 0.77f
+/// Cosine between a triangle's normal and that of the first in its chart.
+#define CHART_DEVIATION 0.6f
+/// Attempts to undo overlaps within charts, ...
+#define OVERLAP_ROUNDS 4
+/// ... and to find a density that fits, to this share. Measured, with narrower maps tried once at the density found: 15
+/// packings of a map instead of 72.
+#define DENSITY_ROUNDS 12
+#define DENSITY_EXACT 1.005f
+/// A larger map must show this much more.
+#define WORTH_IT 1.02f
+/// Charts that fill less than this of their rectangle are divided, if that is more than so much of all surfaces, and if
+/// they have few triangles: parts of many are slivers, whose borders are too close to each other to be stitched. Measured,
+/// coverage at medium with charts packed by their shape: staircase 32.1 to 70.2 %, fireplace room 28.0 to 68.3 %.
+#define HOLLOW 0.4
+#define HOLLOW_SHARE 0.002
+#define HOLLOW_TRIANGLES 40
+/// Sides of maps where none is asked for, and the part of them that charts of a few texels may fill.
+#define FIRST_SIDE 1024
+#define LAST_SIDE 4096
+#define SMALL_CHARTS 0.4
+/// Charts that get more texels are smaller than this part of the map.
+#define SMALL_PART 64
+/// Texels along a side by which the second texture coordinates of a file are judged.
+#define CHECK_TEXELS 256
+/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that
+/// may be without: slivers that rounding makes flat.
+#define COLLAPSED 1e-3
+#define MOST_COLLAPSED 0.01
+/// Texels at the rim of a map that stay empty, for filtering on a border to touch.
+#define RIM 1
+/// Runs of a chart are tried so far apart first: most places are refused by one of the first.
+#define RUN_STRIDE 16
+/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many thousands
+/// would take minutes otherwise.
+#define LARGEST_KIND 64
+
+// ---- Texels and seams (bake_texels.c, bake_seam.c, bake_stitch.c, target_lightmap.c) -----------------
+
+/// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
+/// chart overlaps itself; borders may touch, and rounding moves them by far less.
+#define OVERLAP_DEPTH 0.05f
+/// How much brighter or darker a texel beyond a border may be than the border.
+#define MOST_BEYOND 0.5f
+/// Samples along a border edge: so many to a texel, at most so many in all.
+#define SAMPLES_PER_TEXEL 2
+#define MOST_SAMPLES 64
+/// Jumps beyond this share are seen.
+#define SEEN 0.01
+/// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
+#define SEAM_SMOOTH 0.94f
+#define CONTINUOUS 0.002f
+/// Passes towards what was solved, before both sides are drawn together.
+#define TRUE_PASSES 5
+/// A jump that nobody sees, how often that is asked, and when it is given up. Measured: cornell-marble: 0.5 % by conjugate
+/// gradients; 1,000 passes of Kaczmarz's method left 3.1 %.
+#define CLOSED 0.005
+#define STEPS_PER_LOOK 25
+#define MOST_STEPS 2000
+/// Light below 0 is cut off, which opens jumps again, ever smaller ones.
+#define STITCH_ROUNDS 40
+/// What stays open counts this much more in the next round, in so many of the first rounds. Measured: wooden_staircase,
+/// draft: largest seam 0.58 % instead of 5.3 %, modern_hall 0.45 % instead of 0.91 %.
+#define STRESS 2
+#define STRESSED_ROUNDS 12
+/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
+#define STIFFNESS 0.2f
+/// How often charts whose seams stay open get more texels. Measured: white room, draft: largest seam 6.1 % without, 2 %
+/// after three rounds, below 1 % after five.
+#define MOST_REFINEMENTS 6
+/// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
+#define BRIGHTEST 0.995
+
+// ---- Vertices (bake_cells.c, bake_tessellate.c) ------------------------------------------------------
+
+/// How far on the way to the middle of a cell its corners are looked up.
+#define PULL 1e-3f
+/// Vertices are doubled where light differs by more than this.
+#define JUMP 0.02f
+
+// ---- Light by direction and relit light (bake_directions.c, bake_relit.c) ----------------------------
+
+/// Of the normals that are read, radians: bumps are seldom steeper.
+#define TILT 0.78539816f
+#define TILTS 3
+/// Of each reading.
+#define TILT_SAMPLES 64
+/// d, at most.
+#define LONGEST 4.0f
+/// Relative to what is compared: what differs by less was only rounded.
+#define ROUNDING 1e-5f
+
+#endif

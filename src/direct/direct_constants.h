@@ -1,0 +1,48 @@
+/// What the room tunes by, with what was measured of it. The rest is chosen, not measured. What devices or other rooms read
+/// too stands in the headers of these: direct_sample.h, photon_guide.h, photon_map.h, photon_path.h, photon_turn.h, source_level.h.
+#ifndef RSV_DIRECT_CONSTANTS_H
+#define RSV_DIRECT_CONSTANTS_H
+
+// ---- Shadow rays (direct_receiver.c) -----------------------------------------------------------------
+
+/// Points of a node that are looked at first where `samples` is less than RSV_DIRECT_LANES.
+#define PREVIEW_POINTS 4
+
+// ---- Photons (photons.c, photon_guide.c) -----------------------------------------------
+
+/// Share of photons that go to bins whose pilot rays were of use, and share that goes to all bins alike: their pilot rays
+/// are few. The rest starts as the source would send it by itself.
+#define GUIDED_SHARE 0.6f
+#define EVEN_SHARE 0.3f
+/// The strongest origins have a guide each; all others share one.
+#define OWN_GUIDES 63
+/// Rounds of pilot rays, each on bins that are finer where the last ones found something.
+#define MOST_PILOTS 4
+/// Part of what is useful that may be left beyond each side of the finer bins, and lines of bins kept there.
+#define OUTSIDE 0.01f
+#define OUTER_BINS 4
+
+// ---- Levels of finer elements (source_level.c) -------------------------------------------------------
+
+/// Caustics have sharper edges than shadows: they may split cells this many times more.
+#define CAUSTIC_LEVELS 2
+/// Cells are split where irradiance bends by more than this share of the local level.
+#define BEND 0.1f
+/// Below this share of the scene's mean irradiance, a bend is invisible.
+#define DARK 0.05f
+/// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
+/// not all: the rim of a caustic is dark on one side.)
+#define PHOTONS_TO_SPLIT 24.0f
+/// Cells are at most so much larger than the spacing, but in the open.
+#define OPEN_TOLERANCE 1.5f
+
+// ---- Portions of work (direct_device.c, photons.c, shooting_device.c) --------------------------------
+
+/// Nodes that a device takes at a time: enough for any.
+#define NODES_AT_A_TIME ((size_t)1 << 14)
+/// Photons that a thread takes at a time.
+#define PHOTONS_PER_CHUNK 4096
+/// Photons of a device between two looks at the clock.
+#define PHOTONS_AT_A_TIME ((uint32_t)1 << 22)
+
+#endif

@@ -1,0 +1,102 @@
+/// IES LM-63: lines of keywords, TILT=, and then nothing but numbers.
+#include "luminaire_text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define METRES_PER_FOOT 0.3048
+
+/// What the two lines behind TILT say.
+typedef struct ies_facts {
+    double lamps, lumens, multiplier, vertical, horizontal, type, units, size[3], ballast, factor,
+        watts;
+} ies_facts;
+
+/// Reads lines to that with TILT=. @return RSV_OK with `rest` behind it. @param old of LM-63-1986 to 1995
+static rsv_status read_keywords(rsv_luminaire_text *t, bool *old, bool *tilted)
+{
+    char line[256];
+    *old = true;
+    while (rsv_luminaire_line(t, line, sizeof line)) {
+        if (strstr(line, "LM-63-2002") || strstr(line, "LM-63-2019")) *old = false;
+        if (strncmp(line, "[LUMINAIRE]", 11) == 0)
+            snprintf(t->to->name, sizeof t->to->name, "%.120s", line + 11 + strspn(line + 11, " "));
+        if (strncmp(line, "TILT=", 5) != 0) continue;
+        *tilted = strncmp(line + 5, "INCLUDE", 7) == 0;
+        if (*tilted || strncmp(line + 5, "NONE", 4) == 0) return RSV_OK;
+        return rsv_luminaire_complain(
+            t, "TILT is in a file of its own, which is not read: only NONE and INCLUDE are");
+    }
+    return rsv_luminaire_complain(t, "there is no line TILT=");
+}
+
+/// How lamps do at other tilts than that of the measurement does not matter as long as they are not tilted.
+static rsv_status skip_tilt(rsv_luminaire_text *t)
+{
+    static const double geometries[2] = { 1, 3 }, counts[2] = { 0, 1e4 };
+    double geometry, count, value;
+    rsv_status status =
+        rsv_luminaire_number_within(t, "the lamp's geometry of TILT", geometries, &geometry);
+    if (status == RSV_OK)
+        status = rsv_luminaire_number_within(t, "the number of TILT's angles", counts, &count);
+    for (int k = 0; status == RSV_OK && k < 2 * (int)count; k++)
+        status = rsv_luminaire_number(t, "TILT", &value);
+    return status;
+}
+
+static rsv_status read_facts(rsv_luminaire_text *t, ies_facts *f)
+{
+    static const double any[2] = { -1e9, 1e9 };
+    const struct {
+        const char *name;
+        double *value, bounds[2];
+    } fact[] = { { "the number of lamps", &f->lamps, { 0, 1e6 } },
+        { "the lumens of a lamp", &f->lumens, { -1, 1e9 } },
+        { "the multiplier of intensities", &f->multiplier, { 0, 1e9 } },
+        { "the number of vertical angles", &f->vertical, { 1, 1e6 } },
+        { "the number of horizontal angles", &f->horizontal, { 1, 1e6 } },
+        { "the type of photometry", &f->type, { 1, 3 } }, { "the units", &f->units, { 1, 2 } },
+        { "the width", &f->size[0], { any[0], any[1] } },
+        { "the length", &f->size[1], { any[0], any[1] } },
+        { "the height", &f->size[2], { any[0], any[1] } },
+        { "the ballast factor", &f->ballast, { 0, 1e3 } },
+        { "the second factor", &f->factor, { 0, 1e3 } }, { "the watts", &f->watts, { -1, 1e9 } } };
+    for (size_t k = 0; k < sizeof fact / sizeof *fact; k++) {
+        rsv_status status =
+            rsv_luminaire_number_within(t, fact[k].name, fact[k].bounds, fact[k].value);
+        if (status != RSV_OK) return status;
+    }
+    return RSV_OK;
+}
+
+static void keep_facts(rsv_luminaire *l, const ies_facts *f)
+{
+    double metres = f->units < 1.5 ? METRES_PER_FOOT : 1;
+    l->type = f->type < 1.5   ? RSV_PHOTOMETRY_C
+              : f->type < 2.5 ? RSV_PHOTOMETRY_B
+                              : RSV_PHOTOMETRY_A;
+    l->width = metres * f->size[0], l->length = metres * f->size[1],
+    l->height = metres * f->size[2];
+    l->lamp_lumens = f->lumens > 0 ? f->lamps * f->lumens : 0;
+    l->watts = f->watts > 0 ? f->watts : 0;
+}
+
+rsv_status rsv_luminaire_read_ies(rsv_luminaire_text *t)
+{
+    bool old, tilted = false;
+    ies_facts f = { 0 };
+    rsv_luminaire *l = t->to;
+    rsv_status status;
+    RSV_TRY(read_keywords(t, &old, &tilted));
+    if (tilted) RSV_TRY(skip_tilt(t));
+    RSV_TRY(read_facts(t, &f));
+    keep_facts(l, &f);
+    RSV_TRY(rsv_luminaire_reserve(t, (uint32_t)f.vertical, (uint32_t)f.horizontal));
+    RSV_TRY(rsv_luminaire_angles(t, "a vertical angle", l->vertical_count, l->vertical));
+    RSV_TRY(rsv_luminaire_angles(t, "a horizontal angle", l->horizontal_count, l->horizontal));
+    // since 2002 the second factor is no factor
+    RSV_TRY(rsv_luminaire_intensities(t, f.multiplier * f.ballast * (old ? f.factor : 1)));
+    rsv_luminaire_close(l);
+cleanup:
+    return status;
+}

@@ -1,0 +1,207 @@
+#include "../core/number_text.h"
+#include "weather_text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MOST_BYTES ((size_t)1 << 28)
+#define MOST_RECORDS ((size_t)366 * 24 * 60)
+
+bool rsv_weather_next_line(rsv_weather_text *t)
+{
+    if (!t->rest || !*t->rest) return false;
+    t->line = strsep(&t->rest, "\n");
+    t->number++;
+    size_t length = strlen(t->line);
+    while (length > 0 && strchr(" \t\r", t->line[length - 1]))
+        t->line[--length] = '\0';
+    t->line += strspn(t->line, " \t");
+    return true;
+}
+
+rsv_status rsv_weather_complain(const rsv_weather_text *t, const char *what)
+{
+    return rsv_fail(RSV_ERROR_FORMAT, "%s:%zu: %s", t->path, t->number, what);
+}
+
+bool rsv_weather_number(char **cursor, char separator, double *value)
+{
+    char *end = NULL;
+    *value = rsv_number_value(*cursor, &end);
+    if (end == *cursor || !isfinite(*value)) return false;
+    end += strspn(end, " \t");
+    if (*end && *end != separator && separator == ',') return false;
+    *cursor = *end == ',' ? end + 1 : end;
+    return true;
+}
+
+rsv_status rsv_weather_check_site(const rsv_weather_text *t)
+{
+    const rsv_site *s = &t->weather->site;
+    if (fabs(s->latitude) > 90)
+        return rsv_weather_complain(t, "the latitude is not within -90 to 90 degrees");
+    if (fabs(s->longitude) > 360)
+        return rsv_weather_complain(t, "the longitude is not within -360 to 360 degrees");
+    if (fabs(s->time_zone) > 14.5)
+        return rsv_weather_complain(t, "the time zone is not within -14 to 14 hours");
+    if (!(fabs(s->elevation) < 1e4))
+        return rsv_weather_complain(t, "the elevation is not within 10 km");
+    return RSV_OK;
+}
+
+static int days_in_month(int month)
+{
+    return month == 2 ? 29 : month == 4 || month == 6 || month == 9 || month == 11 ? 30 : 31;
+}
+
+rsv_status rsv_weather_append(rsv_weather_text *t, const rsv_weather_hour *hour)
+{
+    rsv_weather *w = t->weather;
+    rsv_moment m = hour->moment;
+    if (m.month < 1 || m.month > 12 || m.day < 1 || m.day > days_in_month(m.month))
+        return rsv_weather_complain(t, "there is no such date");
+    if (w->count >= MOST_RECORDS)
+        return rsv_weather_complain(t, "more records than a year has minutes");
+    rsv_status status =
+        rsv_grow(t->context, (void **)&w->hour, &t->capacity, w->count + 1, sizeof *w->hour);
+    if (status != RSV_OK) return status;
+    if (m.year < 1900 || m.year > 2200) m.year = 2001; // some write 0
+    // a typical year's 29 February stands for that of a leap year
+    if (m.month == 2 && m.day == 29 && !rsv_is_leap_year(m.year)) m.year = 2000;
+    if (m.month == 2 && m.day == 29) w->leap = true;
+    w->hour[w->count] = *hour;
+    w->hour[w->count].moment = m;
+    w->hour[w->count++].record.day_of_year = rsv_day_of_year(m.year, m.month, m.day);
+    return RSV_OK;
+}
+
+static bool is_known(const rsv_weather_hour *h)
+{
+    return isfinite(h->record.direct_normal) && isfinite(h->record.diffuse_horizontal);
+}
+
+/// The record nearest in time that is known and of the same hour of the day.
+static const rsv_weather_hour *nearest_like(const rsv_weather *w, size_t k)
+{
+    for (size_t distance = 1; distance < w->count; distance++) {
+        for (int way = 0; way < 2; way++) {
+            size_t other = way ? k + distance : k - distance;
+            if (way ? other >= w->count : distance > k) continue;
+            bool alike = fabs(w->hour[other].moment.hour - w->hour[k].moment.hour) < 1e-3;
+            if (alike && is_known(&w->hour[other])) return &w->hour[other];
+        }
+    }
+    return NULL;
+}
+
+/// Marks first, so that nothing is filled with what was filled.
+static rsv_status fill_gaps(rsv_weather_text *t)
+{
+    rsv_weather *w = t->weather;
+    for (size_t k = 0; k < w->count; k++)
+        w->filled += w->hour[k].filled = !is_known(&w->hour[k]);
+    if (w->filled == w->count)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "%s: no record has direct normal and diffuse horizontal light", t->path);
+    for (size_t k = 0; w->filled && k < w->count; k++) {
+        if (!w->hour[k].filled) continue;
+        const rsv_weather_hour *like = NULL;
+        if (is_known(&w->hour[k])) continue;
+        like = nearest_like(w, k);
+        rsv_irradiance_record *r = &w->hour[k].record;
+        r->direct_normal = like ? like->record.direct_normal : 0;
+        r->diffuse_horizontal = like ? like->record.diffuse_horizontal : 0;
+        w->hour[k].direct_illuminance = like ? like->direct_illuminance : NAN;
+        w->hour[k].diffuse_illuminance = like ? like->diffuse_illuminance : NAN;
+    }
+    return RSV_OK;
+}
+
+/// Says what a file lacks.
+static void tell_gaps(const rsv_weather_text *t)
+{
+    const rsv_weather *w = t->weather;
+    if (w->filled)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: %zu of %zu records have no irradiances; they take those of the nearest day",
+            t->path, w->filled, w->count);
+    if (w->missing)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: leaves out %zu hours of the year; figures are of the others", t->path, w->missing);
+}
+
+static rsv_status finish(rsv_weather_text *t)
+{
+    rsv_weather *w = t->weather;
+    double hours = 0, year = w->leap ? 8784 : 8760;
+    if (w->count == 0)
+        return rsv_fail(RSV_ERROR_FORMAT, "%s: holds no records behind its header", t->path);
+    for (size_t k = 0; k < w->count; k++)
+        hours += w->hour[k].hours;
+    w->missing = hours < year ? (size_t)(year - hours + 0.5) : 0;
+    rsv_status status = fill_gaps(t);
+    if (status == RSV_OK) tell_gaps(t);
+    return status;
+}
+
+static rsv_status read_text(rsv_context *context, const char *path, char **text)
+{
+    size_t length = 0, capacity = 0;
+    rsv_status status = RSV_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file) return rsv_fail(RSV_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    while (status == RSV_OK && !feof(file) && !ferror(file)) {
+        status = rsv_grow(context, (void **)text, &capacity, length + 65536, 1);
+        if (status == RSV_OK) length += fread(*text + length, 1, 65535, file);
+        if (length > MOST_BYTES)
+            status = rsv_fail(RSV_ERROR_FORMAT, "%s: is too large for a weather file", path);
+    }
+    if (status == RSV_OK && ferror(file))
+        status = rsv_fail(RSV_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
+    fclose(file);
+    if (status != RSV_OK || !*text) return status;
+    (*text)[length] = '\0';
+    return memchr(*text, '\0', length) ? rsv_fail(RSV_ERROR_FORMAT, "%s: is not a text file", path)
+                                       : RSV_OK;
+}
+
+rsv_status rsv_weather_read(rsv_context *context, const char *path, rsv_weather *weather)
+{
+    char *content = NULL;
+    *weather = (rsv_weather){ 0 };
+    rsv_weather_text t = { context, path, NULL, NULL, 0, weather, 0 };
+    rsv_status status;
+    RSV_TRY(read_text(context, path, &content));
+    RSV_TRY(content ? RSV_OK : RSV_ERROR_MEMORY);
+    t.rest = strncmp(content, "\xef\xbb\xbf", 3) == 0 ? content + 3 : content;
+    bool any = rsv_weather_next_line(&t), epw = any && strncmp(t.line, "LOCATION,", 9) == 0;
+    bool wea = any && strncmp(t.line, "place", 5) == 0;
+    if (!epw && !wea)
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT,
+            "%s: is neither EPW, which begins with LOCATION, nor WEA, which begins with place",
+            path));
+    RSV_TRY(epw ? rsv_weather_read_epw(&t) : rsv_weather_read_wea(&t));
+    RSV_TRY(finish(&t));
+cleanup:
+    rsv_free(context, content);
+    return status;
+}
+
+void rsv_weather_free(rsv_context *context, rsv_weather *weather)
+{
+    rsv_free(context, weather->hour);
+    *weather = (rsv_weather){ 0 };
+}
+
+rsv_perez_sky rsv_weather_sky(const rsv_weather *weather, size_t index, rsv_solar_position *sun)
+{
+    const rsv_weather_hour *hour = &weather->hour[index];
+    rsv_solar_position own = rsv_sun_position(&weather->site, &hour->moment);
+    if (sun) *sun = own;
+    if (isfinite(hour->direct_illuminance) && isfinite(hour->diffuse_illuminance))
+        return rsv_perez_sky_of_illuminance(
+            hour->diffuse_illuminance, hour->direct_illuminance, &hour->record, own.direction);
+    return rsv_perez_sky_of(&hour->record, own.direction);
+}

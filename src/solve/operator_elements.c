@@ -1,0 +1,68 @@
+/// The elements of an operator: where they are, and which of them surround a point.
+#include "goal.h"
+#include "operator.h"
+
+#include <string.h>
+
+bool rsv_operator_locate(const rsv_operator *op, uint32_t triangle, float u, float v,
+    bool back_side, rsv_element_weights *around)
+{
+    const rsv_elements *e = rsv_operator_get_view(op)->elements;
+    uint32_t face = e->face_of[back_side][triangle];
+    if (face == RSV_NONE) return false;
+    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, u, v, around->weight)];
+    for (int k = 0; k < 3; k++)
+        around->element[k] = node[k];
+    return true;
+}
+
+/// Weights are 0 where nothing reflects diffusely.
+static rsv_element_weights locate_probe(const rsv_operator *op, const rsv_probe *probe)
+{
+    const rsv_transport_scene *scene = &rsv_operator_get_view(op)->world->scene;
+    const rsv_element_weights none = { { 0 }, { 0 } };
+    rsv_hit hit;
+    if (!rsv_tracer_nearest(scene->tracer, probe->position, probe->normal, &hit)) return none;
+    const uint32_t *corner = scene->view->triangle[hit.triangle];
+    const rsv_vec3 *position = scene->view->position;
+    rsv_vec3 front = v3_cross(v3_sub(position[corner[1]], position[corner[0]]),
+        v3_sub(position[corner[2]], position[corner[0]]));
+    bool back_side = v3_dot(front, probe->normal) < 0;
+    rsv_element_weights around;
+    return rsv_operator_locate(op, hit.triangle, hit.u, hit.v, back_side, &around) ? around : none;
+}
+
+rsv_status rsv_operator_locate_probes(const rsv_operator *op, const rsv_probe *probes, size_t count,
+    uint32_t (*element)[3], float (*weight)[3])
+{
+    rsv_context *context = rsv_operator_get_view(op)->context;
+    rsv_status status = rsv_check_probes(probes, count);
+    if (status != RSV_OK) return status;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
+    for (size_t k = 0; k < count; k++) {
+        if (rsv_cancelled(context)) continue;
+        rsv_element_weights around = locate_probe(op, &probes[k]);
+        memcpy(element[k], around.element, sizeof around.element);
+        memcpy(weight[k], around.weight, sizeof around.weight);
+    }
+    return rsv_progress(context, "probe", 1);
+}
+
+rsv_status rsv_operator_elements(const rsv_operator *op, rsv_element *element)
+{
+    const rsv_operator_view *view = rsv_operator_get_view(op);
+    const rsv_elements *e = view->elements;
+    const rsv_scene_view *scene = view->world->scene.view;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(view->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
+        uint32_t face = e->node_face[n];
+        element[n] = (rsv_element){ .position = point.position,
+            .normal = point.normal,
+            .albedo = view->albedo[n],
+            .area = e->node_area[n],
+            .triangle = e->face_triangle[face],
+            .back_side = e->face_back[face] };
+    }
+    return RSV_OK;
+}

@@ -1,0 +1,22 @@
+/// What the room tunes by: chosen, not measured. What other rooms read too stands in scene_change.h.
+#ifndef RSV_UPDATE_CONSTANTS_H
+#define RSV_UPDATE_CONSTANTS_H
+
+// ---- What counts as unchanged (history.c, scene_change.c) --------------------------------------------
+
+/// An edit that changes the spacing of elements by less than this part leaves it as it was: a spacing of its own would keep
+/// no element, and so no row.
+#define LIKE_SPACING 0.1f
+/// Boxes of what has changed grow by this part of their coordinates, against rounding.
+#define MARGIN 1e-5f
+
+// ---- How far an edit reaches (history_light.c) -------------------------------------------------------
+
+/// What cells ask their surroundings (elements_constants.h) reaches no farther than this part of their size ...
+#define REACH_OF_SIZE 0.6f
+/// ... and this part of the spacing.
+#define REACH_OF_SPACING 0.25f
+/// Sources that are told apart; direct light of scenes with more is found anew wherever one has changed.
+#define RSV_HISTORY_SOURCES 64
+
+#endif
