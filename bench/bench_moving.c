@@ -110,7 +110,7 @@ static rsv_status run_frame(const stage *s, uint32_t k, rsv_update_store *store,
 {
     rsv_scene *scene = NULL;
     rsv_light *updated = NULL, *whole = NULL;
-    rsv_update_report kept;
+    rsv_update_report kept = { 0 };
     const rsv_solve_desc desc = describe(s);
     rsv_status status = scene_of_frame(s, k, &scene);
     double start = processor_seconds();

@@ -108,6 +108,12 @@ static rsv_specular_path begin_path(const rsv_row_tracer *tracer, const rsv_row_
     return rsv_specular_begin(tracer->scene, &r->medium, direction, rsv_packet_hit(packet, k));
 }
 
+/// Whether rays that end there may also find light of a source; which sources they look for, any edit may change.
+static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
+{
+    return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
@@ -121,11 +127,12 @@ static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32
     s->rays += gather.path.rays;
     if (gather.end == RSV_SPECULAR_DIFFUSE) {
         record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
-        if (gather.path.rays == 0 && rgb_max(gather.emission) == 0)
+        if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
             s->kind[ray] = RSV_TARGET_ENTERED;
-    } else if (gather.end == RSV_SPECULAR_ESCAPED)
+    } else if (gather.end == RSV_SPECULAR_ESCAPED) {
         rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
             gather.path.turns);
+    }
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
