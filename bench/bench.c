@@ -107,7 +107,7 @@ static const char help[] =
     "default\n"
     "                    1024; rooms and pictures: default 64)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
-    "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
+    "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP CLI_READING_HELP
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
     "                    medium); quality: the best solution to compare (default high); rebake:\n"
@@ -291,6 +291,7 @@ typedef struct settings {
     cli_bench_task bench;   ///< what the benchmarks share
     cli_size size;
     const char *csv, *plot, *mesh, *stats;
+    cli_reading reading;
     int device;
     bool json, quick;
 } settings;
@@ -445,6 +446,7 @@ static int measure_and_report(settings *s)
     if (!cli_device_open(s->device) || !cli_session_begin(&session, s->bench.threads))
         return CLI_FAILURE;
     session.mesh = s->mesh;
+    session.reading = s->reading;
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
@@ -496,6 +498,7 @@ int cli_bench(int argc, char **argv)
         { .name = "--quick", .kind = CLI_FLAG, .value = &s.quick },
         CLI_MESH_OPTION(&s.mesh),
         CLI_ENVIRONMENT_OPTIONS(&bench->environment),
+        CLI_READING_OPTIONS(&s.reading),
         { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },
         { .name = "--plot", .kind = CLI_TEXT, .value = &s.plot },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },

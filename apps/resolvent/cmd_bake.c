@@ -47,8 +47,8 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
-        CLI_CHECKPOINT_HELP
+    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
+        CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -64,6 +64,7 @@ typedef struct settings {
     const char *target;
     cli_environment environment;
     cli_moment moment;
+    cli_reading reading;
     cli_solve_choice solve;
     cli_checkpoint checkpoint;
     uint32_t threads;
@@ -136,6 +137,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -225,10 +227,19 @@ static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
     return true;
 }
 
+/// Bytes that a lightmap takes in the making.
+static size_t map_bytes(const settings *s)
+{
+    size_t side = s->bake.map_size ? s->bake.map_size : 1024;
+    if (strcmp(s->target, "lightmap") != 0 || s->bake.dry_run) return 0;
+    return side * side * (s->bake.directional ? 104 : 66); // measured: 97 and 61
+}
+
 static int bake(cli_session *session, settings *s, cli_subject *subject)
 {
     rsv_bake_report report = { 0 };
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    desc.reserved_bytes = map_bytes(s);
     if (!can_turn(s, subject->scene) || refuse_checkpoint(s, subject) ||
         !cli_checkpoint_prepare(session, &s->checkpoint, subject->scene, &desc))
         return CLI_FAILURE;
@@ -250,6 +261,7 @@ static int run(cli_session *session, settings *s)
     cli_subject subject;
     session->mesh = s->mesh;
     session->moment = s->moment;
+    session->reading = s->reading;
     session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);

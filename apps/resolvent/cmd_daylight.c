@@ -18,7 +18,9 @@ static const char help[] =
     "scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     EnergyPlus weather (.epw) or Daysim's (.wea)\n"
-    "  -o FILE            the report: a page that stands alone (.html), or .json or .csv\n"
+    "  -o FILE            the report: a page that stands alone (.html), or .json or .csv; repeat "
+    "both\n"
+    "                     for more files, each of which takes but a second\n"
     "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"
     "  --height M         of those grids above the floor (default 0.8)\n"
     "  --spacing M        of those grids (default 0.5)\n"
@@ -28,7 +30,7 @@ static const char help[] =
     "  --sky-only         leave the sun out; the ground outside is lit by it all the same\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
-    "lux\n" CLI_MESH_HELP CLI_SOLVE_HELP
+    "lux\n" CLI_MESH_HELP CLI_READING_HELP CLI_SOLVE_HELP
     "  --samples N        rays per sensor (default by quality: 15360, 61440, 245760)\n"
     "  --threads N        default: one per processor; the figures do not depend on it\n"
     "\n"
@@ -38,21 +40,41 @@ static const char help[] =
     "      --hourly desks-hours.csv -o desks.json\n";
 
 typedef struct settings {
-    const char *scene, *weather, *points, *output, *hourly, *mesh;
+    const char *scene, *points, *mesh;
+    cli_reading reading;
+    cli_list weather, outputs, hourly; ///< the latter as many as the first, or none
     cli_solve_choice solve;
     float north, ground, height, spacing, from, to;
     uint32_t samples, threads;
     bool sky_only;
 } settings;
 
-/// NAN = not given
+/// As many reports as weather files, by names that say what they are to be. @return the exit status
+static int check_lists(const settings *s)
+{
+    if (!s->weather.count || !s->outputs.count)
+        return cli_usage_error(
+            "daylight", "%s is missing", s->weather.count ? "-o FILE" : "--weather FILE");
+    if (s->outputs.count != s->weather.count ||
+        (s->hourly.count && s->hourly.count != s->weather.count))
+        return cli_usage_error("daylight",
+            "each --weather needs an -o of its own, and an --hourly where there is one");
+    for (size_t k = 0; k < s->outputs.count; k++) {
+        const char *name = s->outputs.item[k];
+        if (!cli_ends_in(name, ".html") && !cli_ends_in(name, ".json") &&
+            !cli_ends_in(name, ".csv"))
+            return cli_usage_error("daylight", "-o %s: reports are .html, .json or .csv", name);
+    }
+    return CLI_SUCCESS;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
-        { .name = "--weather", .kind = CLI_TEXT, .value = &s->weather },
+        { .name = "--weather", .kind = CLI_LIST, .value = &s->weather },
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
-        { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
-        { .name = "--hourly", .kind = CLI_TEXT, .value = &s->hourly },
+        { .name = "-o", .kind = CLI_LIST, .value = &s->outputs },
+        { .name = "--hourly", .kind = CLI_LIST, .value = &s->hourly },
         { .name = "--height", .kind = CLI_REAL, .value = &s->height, .min = 0.001, .max = 100 },
         { .name = "--spacing", .kind = CLI_REAL, .value = &s->spacing, .min = 0.01, .max = 100 },
         { .name = "--north", .kind = CLI_REAL, .value = &s->north, .min = -360, .max = 360 },
@@ -63,23 +85,16 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_SOLVE_OPTIONS(&s->solve),
         { .name = NULL },
     };
     const cli_usage usage = { "daylight", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
-    if (!s->weather || !s->output)
-        *exit_status =
-            cli_usage_error("daylight", "%s is missing", s->weather ? "-o FILE" : "--weather FILE");
-    else if (!cli_ends_in(s->output, ".html") && !cli_ends_in(s->output, ".json") &&
-             !cli_ends_in(s->output, ".csv"))
-        *exit_status =
-            cli_usage_error("daylight", "-o %s: reports are .html, .json or .csv", s->output);
-    else if (s->from >= s->to)
+    *exit_status = check_lists(s);
+    if (*exit_status == CLI_SUCCESS && s->from >= s->to)
         *exit_status = cli_usage_error("daylight", "--from is not before --to");
-    else
-        return true;
-    return false;
+    return *exit_status == CLI_SUCCESS;
 }
 
 /// What a run works on.
@@ -88,7 +103,7 @@ typedef struct daylight_job {
     const settings *s;
     rsv_scene *scene;
     cli_points points;
-    rsv_weather weather;
+    rsv_weather weather[CLI_LIST_CAPACITY];
     rsv_daylight_desc desc;
     rsv_daylight_run_desc run;
     rsv_light *light;
@@ -131,13 +146,11 @@ static rsv_status solve(daylight_job *job)
     desc.goal_point_count = job->points.count;
     desc.photon_count = 0; // of lamps alone, which are off
     desc.direct_level = false;
-    rsv_status status = rsv_daylight_surround(job->scene, &job->weather, &job->desc);
+    rsv_status status = rsv_daylight_surround(job->scene, &job->weather[0], &job->desc);
     if (status == RSV_OK) status = rsv_light_create(job->scene, &desc, &job->light);
     if (status == RSV_OK)
         status = rsv_daylight_create(
             job->light, job->points.probe, job->points.count, &job->desc, &job->daylight);
-    if (status == RSV_OK)
-        status = rsv_daylight_run(job->daylight, &job->weather, &job->run, &job->report);
     return status;
 }
 
@@ -156,15 +169,17 @@ static size_t count_buried(const daylight_job *job)
     return count;
 }
 
-static bool write_reports(const daylight_job *job)
+/// @param k of the weather files
+static bool write_reports(const daylight_job *job, size_t k, size_t buried)
 {
     const settings *s = job->s;
-    cli_daylight_result result = { s->scene, s->weather, &job->points, &job->weather, &job->desc,
-        &job->run, &job->report, job->run.hourly, count_buried(job) };
-    bool written = cli_ends_in(s->output, ".html")   ? cli_write_daylight_page(s->output, &result)
-                   : cli_ends_in(s->output, ".json") ? cli_write_daylight_json(s->output, &result)
-                                                     : cli_write_daylight_csv(s->output, &result);
-    return written && (!s->hourly || cli_write_daylight_hours(s->hourly, &result));
+    const char *output = s->outputs.item[k];
+    cli_daylight_result result = { s->scene, s->weather.item[k], &job->points, &job->weather[k],
+        &job->desc, &job->run, &job->report, job->run.hourly, buried };
+    bool written = cli_ends_in(output, ".html")   ? cli_write_daylight_page(output, &result)
+                   : cli_ends_in(output, ".json") ? cli_write_daylight_json(output, &result)
+                                                  : cli_write_daylight_csv(output, &result);
+    return written && (!s->hourly.count || cli_write_daylight_hours(s->hourly.item[k], &result));
 }
 
 static void print_space(const daylight_job *job)
@@ -181,11 +196,10 @@ static void print_space(const daylight_job *job)
 
 static void close_job(daylight_job *job)
 {
-    free(job->run.hourly);
-    if (job->daylight) rsv_daylight_report_free(job->daylight, &job->report);
     rsv_daylight_destroy(job->daylight);
     rsv_light_destroy(job->light);
-    rsv_weather_free(job->session->context, &job->weather);
+    for (size_t k = 0; k < job->s->weather.count; k++)
+        rsv_weather_free(job->session->context, &job->weather[k]);
     cli_free_points(&job->points);
     rsv_scene_destroy(job->scene);
 }
@@ -197,31 +211,48 @@ static rsv_status find_sensors(daylight_job *job)
     return RSV_OK;
 }
 
-static bool keep_hours(daylight_job *job)
+/// Room for the hours, where a report shows them.
+static bool keep_hours(daylight_job *job, size_t k)
 {
-    if (!job->s->hourly && !cli_ends_in(job->s->output, ".html")) return true;
-    job->run.hourly = calloc(job->weather.count * job->points.count, sizeof *job->run.hourly);
+    if (!job->s->hourly.count && !cli_ends_in(job->s->outputs.item[k], ".html")) return true;
+    job->run.hourly = calloc(job->weather[k].count * job->points.count, sizeof *job->run.hourly);
     if (!job->run.hourly)
         cli_error(
-            "out of memory for %zu hours of %zu sensors", job->weather.count, job->points.count);
+            "out of memory for %zu hours of %zu sensors", job->weather[k].count, job->points.count);
     return job->run.hourly;
+}
+
+/// The coefficients times one weather file.
+static bool run_weather(daylight_job *job, size_t k, size_t buried)
+{
+    if (!keep_hours(job, k)) return false;
+    rsv_status status = rsv_daylight_run(job->daylight, &job->weather[k], &job->run, &job->report);
+    bool done = status == RSV_OK && write_reports(job, k, buried);
+    if (status != RSV_OK) cli_report_failure(job->session, status);
+    if (done && job->s->weather.count > 1) printf("%s\n", job->s->weather.item[k]);
+    if (done) print_space(job);
+    rsv_daylight_report_free(job->daylight, &job->report);
+    free(job->run.hourly);
+    job->run.hourly = NULL;
+    return done;
 }
 
 static int run(daylight_job *job)
 {
     const settings *s = job->s;
+    rsv_status status = RSV_OK;
     if (s->points && !cli_read_points(s->points, &job->points)) return CLI_FAILURE;
-    rsv_status status = rsv_weather_read(job->session->context, s->weather, &job->weather);
+    for (size_t k = 0; status == RSV_OK && k < s->weather.count; k++)
+        status = rsv_weather_read(job->session->context, s->weather.item[k], &job->weather[k]);
     if (status != RSV_OK) return cli_report_failure(job->session, status);
     job->scene = cli_open_scene(job->session, s->scene, NULL);
     if (!job->scene) return CLI_FAILURE;
     status = find_sensors(job);
+    if (status == RSV_OK) status = solve(job);
     if (status != RSV_OK) return cli_report_failure(job->session, status);
-    if (!keep_hours(job)) return CLI_FAILURE;
-    status = solve(job);
-    if (status != RSV_OK) return cli_report_failure(job->session, status);
-    if (!write_reports(job)) return CLI_FAILURE;
-    print_space(job);
+    size_t buried = count_buried(job);
+    for (size_t k = 0; k < s->weather.count; k++)
+        if (!run_weather(job, k, buried)) return CLI_FAILURE;
     return CLI_SUCCESS;
 }
 
@@ -239,6 +270,29 @@ static void describe(const settings *s, daylight_job *job)
     if (isnan(s->north)) fputs("note: no --north is given: it is taken to lie along -z\n", stderr);
 }
 
+/// Whether a file to be written can be, and is none of those that are read.
+static bool check_file(const settings *s, const char *path)
+{
+    bool good = cli_check_output(path) && cli_check_apart(path, s->points);
+    for (size_t k = 0; good && k < s->weather.count; k++)
+        good = cli_check_apart(path, s->weather.item[k]);
+    return good;
+}
+
+static bool check_files(const settings *s)
+{
+    const cli_list *lists[] = { &s->outputs, &s->hourly };
+    for (int l = 0; l < 2; l++)
+        for (size_t k = 0; k < lists[l]->count; k++) {
+            if (!check_file(s, lists[l]->item[k])) return false;
+            for (size_t j = 0; j < lists[l]->count; j++)
+                if (j != k && !cli_check_apart(lists[l]->item[k], lists[l]->item[j])) return false;
+            for (size_t j = 0; l == 1 && j < s->outputs.count; j++)
+                if (!cli_check_apart(lists[l]->item[k], s->outputs.item[j])) return false;
+        }
+    return true;
+}
+
 int cli_daylight(int argc, char **argv)
 {
     settings s = { .solve = CLI_DEFAULT_SOLVE,
@@ -252,12 +306,9 @@ int cli_daylight(int argc, char **argv)
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     cli_session session;
     exit_status = CLI_FAILURE;
-    if (cli_check_output(s.output) && (!s.hourly || cli_check_output(s.hourly)) &&
-        cli_check_apart(s.output, s.points) && cli_check_apart(s.output, s.weather) &&
-        cli_check_apart(s.hourly, s.points) && cli_check_apart(s.hourly, s.weather) &&
-        cli_check_apart(s.hourly, s.output) && cli_prepare_solve(&s.solve) &&
-        cli_session_begin(&session, s.threads)) {
+    if (check_files(&s) && cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.reading = s.reading;
         daylight_job job = { .session = &session, .s = &s };
         describe(&s, &job);
         exit_status = run(&job);

@@ -5,6 +5,8 @@
 #include "output_file.h"
 #include "subject.h"
 
+#include "resolvent/check.h"
+
 #include <cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -22,10 +24,16 @@ static const char help[] =
     "flux, peak\n"
     "and power.\n"
     "\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP
-        CLI_FOG_HELP "\n"
+    "  --check            look for likely mistakes: flipped and doubled faces, open seams, gaps "
+    "that\n"
+    "                     light leaks through, tiny or huge scale, missing light; with what of "
+    "the\n"
+    "                     file is approximated or left out\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
+    "  resolvent info --check room.glb\n"
     "  resolvent info cornell-blocks --json\n";
 
 /// What triangles amount to, by object and by material.
@@ -141,8 +149,40 @@ static void add_objects(cJSON *root, const rsv_scene_view *view, const totals *t
     }
 }
 
-static void add_materials(cJSON *root, const rsv_scene_view *view, const totals *t)
+static const char *const role_names[RSV_TEXTURE_ROLE_COUNT] = {
+    [RSV_TEXTURE_BASE_COLOR] = "base color",
+    [RSV_TEXTURE_OPACITY] = "opacity",
+    [RSV_TEXTURE_METALLIC_ROUGHNESS] = "metal and roughness",
+    [RSV_TEXTURE_NORMAL] = "normal map",
+    [RSV_TEXTURE_EMISSION] = "emission",
+    [RSV_TEXTURE_SPECULAR] = "specular",
+    [RSV_TEXTURE_SPECULAR_COLOR] = "specular color",
+    [RSV_TEXTURE_TRANSMISSION] = "transmission",
+    [RSV_TEXTURE_CLEARCOAT] = "clear coat",
+    [RSV_TEXTURE_CLEARCOAT_ROUGHNESS] = "clear coat roughness",
+    [RSV_TEXTURE_SHEEN_COLOR] = "sheen color",
+    [RSV_TEXTURE_SHEEN_ROUGHNESS] = "sheen roughness",
+    [RSV_TEXTURE_DIFFUSE_TRANSMISSION] = "diffuse transmission",
+    [RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = "diffuse transmission color",
+};
+
+static void add_textures(cJSON *item, const rsv_scene *scene, const rsv_material *material)
 {
+    cJSON *textures = cJSON_AddArrayToObject(item, "textures");
+    for (size_t k = 0; k < material->texture_count; k++) {
+        const rsv_texture_info info = rsv_scene_texture_info(scene, material->textures[k].texture);
+        cJSON *texture = cJSON_CreateObject();
+        cJSON_AddItemToArray(textures, texture);
+        cJSON_AddStringToObject(texture, "role", role_names[material->textures[k].role]);
+        cJSON_AddStringToObject(texture, "name", info.name ? info.name : "");
+        cJSON_AddNumberToObject(texture, "width", info.width);
+        cJSON_AddNumberToObject(texture, "height", info.height);
+    }
+}
+
+static void add_materials(cJSON *root, const rsv_scene *scene, const totals *t)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
     cJSON *materials = cJSON_AddArrayToObject(root, "materials");
     for (size_t i = 0; i < view->material_count; i++) {
         const rsv_material *material = &view->material[i];
@@ -159,6 +199,10 @@ static void add_materials(cJSON *root, const rsv_scene_view *view, const totals 
         add_number(item, "thickness", material->thickness);
         cJSON_AddBoolToObject(item, "double_sided", material->double_sided);
         cJSON_AddBoolToObject(item, "unlit", material->unlit);
+        add_number(item, "opacity", material->opacity);
+        add_number(item, "clearcoat", material->clearcoat);
+        add_rgb(item, "sheen_color", material->sheen_color);
+        add_textures(item, scene, material);
     }
 }
 
@@ -247,8 +291,41 @@ static void add_clips(cJSON *root, const rsv_animation *animation)
     }
 }
 
-static bool print_json(
-    const cli_session *session, const char *name, const cli_subject *subject, const totals *t)
+/// What --check found.
+typedef struct findings {
+    bool wanted;
+    rsv_finding *finding; ///< [count]
+    size_t count;
+} findings;
+
+static bool look_for_mistakes(cli_session *session, const rsv_scene *scene, findings *f)
+{
+    if (!f->wanted) return true;
+    rsv_status status = rsv_scene_check(scene, &f->finding, &f->count);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+static void add_findings(cJSON *root, const cli_session *session, const findings *f)
+{
+    if (!f->wanted) return;
+    cJSON *notes = cJSON_AddArrayToObject(root, "notes");
+    for (size_t i = 0; i < session->notes.count; i++)
+        cJSON_AddItemToArray(notes, cJSON_CreateString(session->notes.text[i]));
+    cJSON *mistakes = cJSON_AddArrayToObject(root, "mistakes");
+    for (size_t i = 0; i < f->count; i++) {
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddItemToArray(mistakes, item);
+        cJSON_AddStringToObject(item, "kind", rsv_mistake_name(f->finding[i].mistake));
+        cJSON_AddStringToObject(item, "where", f->finding[i].where);
+        cJSON_AddNumberToObject(item, "count", (double)f->finding[i].count);
+        cJSON_AddNumberToObject(item, "amount", f->finding[i].amount);
+        cJSON_AddStringToObject(item, "text", f->finding[i].text);
+    }
+}
+
+static bool print_json(const cli_session *session, const char *name, const cli_subject *subject,
+    const totals *t, const findings *found)
 {
     const rsv_scene_view *view = rsv_scene_get_view(subject->scene);
     cJSON *root = cJSON_CreateObject();
@@ -259,7 +336,7 @@ static bool print_json(
     add_point(root, "bounds_min", view->bounds_min, view->origin);
     add_point(root, "bounds_max", view->bounds_max, view->origin);
     add_objects(root, view, t);
-    add_materials(root, view, t);
+    add_materials(root, subject->scene, t);
     add_lights(root, view);
     add_environment(root, view);
     add_fog(root, view);
@@ -269,6 +346,7 @@ static bool print_json(
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     for (size_t i = 0; i < session->warnings.count; i++)
         cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings.text[i]));
+    add_findings(root, session, found);
     bool printed = cli_write_json(NULL, root);
     cJSON_Delete(root);
     return printed;
@@ -314,8 +392,31 @@ static void print_objects(const rsv_scene_view *view, const totals *t)
     }
 }
 
-static void print_materials(const rsv_scene_view *view, const totals *t)
+static void print_layers(const rsv_material *m)
 {
+    if (m->opacity < 1) printf("  opacity %.3g", m->opacity);
+    if (m->alpha_cutoff > 0) printf("  cut out below %.3g", m->alpha_cutoff);
+    if (m->clearcoat > 0)
+        printf("  clear coat %.3g of roughness %.3g", m->clearcoat, m->clearcoat_roughness);
+    if (!is_black(m->sheen_color)) print_rgb("sheen", m->sheen_color);
+    if (m->diffuse_transmission > 0) printf("  diffuse transmission %.3g", m->diffuse_transmission);
+    if (!is_black(m->scatter_distance)) print_rgb("scatters within m", m->scatter_distance);
+}
+
+/// One line each.
+static void print_textures(const rsv_scene *scene, const rsv_material *material)
+{
+    for (size_t k = 0; k < material->texture_count; k++) {
+        const rsv_texture_info info = rsv_scene_texture_info(scene, material->textures[k].texture);
+        printf("    %s:", role_names[material->textures[k].role]);
+        print_name(info.name ? info.name : "unnamed");
+        printf("  %u x %u\n", info.width, info.height);
+    }
+}
+
+static void print_materials(const rsv_scene *scene, const totals *t)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
     printf("\nmaterials: %zu\n", view->material_count);
     for (size_t i = 0; i < view->material_count; i++) {
         const rsv_material *material = &view->material[i];
@@ -326,8 +427,11 @@ static void print_materials(const rsv_scene_view *view, const totals *t)
         if (material->metallic > 0) printf("  metallic %.3g", material->metallic);
         if (material->transmission > 0)
             printf("  transmission %.3g  ior %.4g", material->transmission, material->ior);
-        printf("  roughness %.3g%s%s\n", material->roughness,
+        printf("  roughness %.3g%s%s", material->roughness,
             material->double_sided ? "  double-sided" : "", material->unlit ? "  unlit" : "");
+        print_layers(material);
+        putchar('\n');
+        print_textures(scene, material);
     }
 }
 
@@ -429,7 +533,7 @@ static void print_text(
     print_point(high, view->origin, 6);
     fputs(") m\n", stdout);
     print_objects(view, t);
-    print_materials(view, t);
+    print_materials(subject->scene, t);
     print_lights(view);
     print_environment(view);
     print_fog(view);
@@ -451,16 +555,46 @@ static bool open_clips(cli_session *session, const char *name)
     return status == RSV_OK || status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED;
 }
 
+static void print_messages(const char *title, const cli_messages *messages)
+{
+    printf("\n%s: %zu\n", title, messages->count);
+    for (size_t k = 0; k < messages->count; k++) {
+        print_name(messages->text[k]);
+        putchar('\n');
+    }
+}
+
+static void print_findings(const cli_session *session, const findings *found)
+{
+    print_messages("approximated, left out or doubtful", &session->warnings);
+    print_messages("notes", &session->notes);
+    printf("\nlikely mistakes: %zu\n", found->count);
+    for (size_t k = 0; k < found->count; k++) {
+        print_name(found->finding[k].text);
+        putchar('\n');
+    }
+}
+
+/// What is asked of a scene beside what it holds.
+typedef struct request {
+    const char *name;
+    cli_environment environment;
+    bool json, check;
+} request;
+
 /// A scene or an operator file.
-static bool print_subject(
-    cli_session *session, const char *name, const cli_environment *environment, bool json)
+static bool print_subject(cli_session *session, const request *r)
 {
     cli_subject subject;
     totals t = { 0 };
-    bool printed = cli_open_subject(session, name, environment, &subject) &&
-                   open_clips(session, name) && add_up(rsv_scene_get_view(subject.scene), &t);
-    if (printed && json) printed = print_json(session, name, &subject, &t);
-    if (printed && !json) print_text(session, name, &subject, &t);
+    findings found = { .wanted = r->check };
+    bool printed = cli_open_subject(session, r->name, &r->environment, &subject) &&
+                   open_clips(session, r->name) && add_up(rsv_scene_get_view(subject.scene), &t) &&
+                   look_for_mistakes(session, subject.scene, &found);
+    if (printed && r->json) printed = print_json(session, r->name, &subject, &t, &found);
+    if (printed && !r->json) print_text(session, r->name, &subject, &t);
+    if (printed && !r->json && r->check) print_findings(session, &found);
+    if (found.finding) rsv_findings_release(subject.scene, found.finding);
     free_totals(&t);
     cli_close_subject(&subject);
     return printed;
@@ -468,27 +602,30 @@ static bool print_subject(
 
 int cli_info(int argc, char **argv)
 {
-    const char *name = NULL, *mesh = NULL;
-    bool json = false;
-    cli_environment environment = CLI_DEFAULT_ENVIRONMENT;
+    const char *mesh = NULL;
+    request r = { .environment = CLI_DEFAULT_ENVIRONMENT };
+    cli_reading reading = { 0 };
     cli_moment moment = CLI_AT_REST;
     const cli_option options[] = {
-        { .name = "--json", .kind = CLI_FLAG, .value = &json },
+        { .name = "--json", .kind = CLI_FLAG, .value = &r.json },
+        { .name = "--check", .kind = CLI_FLAG, .value = &r.check },
         CLI_MESH_OPTION(&mesh),
         CLI_MOMENT_OPTIONS(&moment),
-        CLI_ENVIRONMENT_OPTIONS(&environment),
-        CLI_FOG_OPTIONS(&environment),
+        CLI_ENVIRONMENT_OPTIONS(&r.environment),
+        CLI_READING_OPTIONS(&reading),
+        CLI_FOG_OPTIONS(&r.environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
     int exit_status;
-    if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
+    if (!cli_parse(&usage, argc, argv, &r.name, &exit_status)) return exit_status;
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
     session.moment = moment;
-    bool printed = cli_is_luminaire(name) ? cli_print_luminaire(&session, name, json)
-                                          : print_subject(&session, name, &environment, json);
+    session.reading = reading;
+    bool printed = cli_is_luminaire(r.name) ? cli_print_luminaire(&session, r.name, r.json)
+                                            : print_subject(&session, &r);
     cli_session_end(&session);
     return printed ? CLI_SUCCESS : CLI_FAILURE;
 }

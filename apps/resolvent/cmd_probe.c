@@ -27,8 +27,8 @@ static const char help[] =
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
-    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_MOMENT_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
     "lux,err_lux, and\n"
@@ -53,6 +53,7 @@ typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
     cli_moment moment;
+    cli_reading reading;
     cli_solve_choice solve;
     int mode;
     uint32_t samples; ///< 0 = by quality
@@ -78,6 +79,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -234,6 +236,7 @@ int cli_probe(int argc, char **argv)
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
         session.moment = s.moment;
+        session.reading = s.reading;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "exposure.h"
 #include "frame_path.h"
 #include "light_script.h"
 #include "object_picture.h"
@@ -53,7 +54,8 @@ static const char help[] =
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
     "  --spp N            camera rays per pixel (default 9)\n"
     "  --camera NAME      one of `resolvent info OPERATOR` (default: the first)\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default: of scenes from files what shows\n"
+    "                     them well as they were solved, the same for all frames; else 0)\n"
     "  --seed N           another set of random numbers for the picture (default 0)\n"
     "  --threads N        default: one per processor; the result does not depend on "
     "it\n" CLI_DEVICE_HELP
@@ -95,6 +97,8 @@ typedef struct stage {
     uint32_t camera, frame_count;
     bool prepared; ///< strengths alone change: what each source does by itself is known
     double time_relight, time_render;
+    float exposure; ///< of .png: one for all frames
+    char scene_name[256];
 } stage;
 
 // ---- options --------------------------------------------------------------------------------------
@@ -203,7 +207,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
-        { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
+        CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
@@ -321,12 +325,12 @@ static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
     for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
         if (!output_path(s, k, frame, path)) continue; // check_outputs saw to it
         if (is_operator_name(path)) {
-            status = rsv_light_save(solution, s->scene, path);
+            status = rsv_light_save(solution, on->scene_name, path);
             continue;
         }
         if (!image) status = render(s, solution, on->camera, &image);
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
-        if (status == RSV_OK) status = rsv_image_write(image, path, s->exposure);
+        if (status == RSV_OK) status = rsv_image_write(image, path, on->exposure);
     }
     rsv_image_destroy(image);
     on->time_render += cli_seconds() - started;
@@ -353,6 +357,7 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
         .report = rsv_light_report(solution),
         .order_count = rsv_light_order_count(solution),
         .standard_error = NAN,
+        .exposure = cli_writes_png(&s->outputs) ? &on->exposure : NULL,
         .time_solve = on->time_relight,
         .time_render = on->time_render,
         .more = more };
@@ -388,6 +393,15 @@ static bool finish_stats(cli_session *session, const settings *s, stage *on)
     return status == RSV_OK && write_stats(session, s, on);
 }
 
+/// The exposure is that of the light as it was solved: what is changed shows.
+static rsv_status set_exposure(cli_session *session, const settings *s, stage *on)
+{
+    bool wanted = cli_writes_png(&s->outputs) && cli_exposes(session, s->scene, s->exposure);
+    on->exposure = isnan(s->exposure) ? 0 : s->exposure;
+    if (!wanted) return RSV_OK;
+    return cli_expose_light(session, true, on->subject.solution, on->camera, &on->exposure);
+}
+
 /// Opens the file, and sets up what frames share.
 static bool set_stage(cli_session *session, const settings *s, stage *on)
 {
@@ -399,7 +413,10 @@ static bool set_stage(cli_session *session, const settings *s, stage *on)
         return false;
     }
     double started = cli_seconds();
-    rsv_status status = rsv_relighter_create(on->subject.solution, &on->relighter);
+    rsv_status status =
+        rsv_operator_scene_name(session->context, s->scene, on->scene_name, sizeof on->scene_name);
+    if (status == RSV_OK) status = set_exposure(session, s, on);
+    if (status == RSV_OK) status = rsv_relighter_create(on->subject.solution, &on->relighter);
     for (size_t k = 0; k < s->added.count && status == RSV_OK; k++) {
         rsv_punctual_light light = s->add[k];
         light.position = place_of_added(s->added.item[k], on->subject.scene);
@@ -484,7 +501,11 @@ static bool is_same_everywhere(const settings *s)
 
 int cli_relight(int argc, char **argv)
 {
-    settings s = { .mode = RSV_RENDER_FINAL, .samples = 9, .env_intensity = 1, .env_rotate = NAN };
+    settings s = { .mode = RSV_RENDER_FINAL,
+        .samples = 9,
+        .exposure = CLI_AUTO_EXPOSURE,
+        .env_intensity = 1,
+        .env_rotate = NAN };
     int exit_status;
     cli_session session;
     if (parse_settings(&s, argc, argv, &exit_status)) {

@@ -2,6 +2,7 @@
 #include "crew.h"
 #include "device.h"
 #include "error_target.h"
+#include "exposure.h"
 #include "frame_path.h"
 #include "moment.h"
 #include "options.h"
@@ -45,13 +46,20 @@ static const char help[] =
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
-    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_SEQUENCE_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "  --fstop N          depth of field: focal length over N is the diameter of the aperture, on "
+    "film\n"
+    "                     of 24 mm height (default: all is sharp)\n"
+    "  --focus M          metres to what is sharp (default: to what is in the middle)\n"
+    "  --projection P     perspective (the camera as it is; default); equirectangular: all "
+    "around;\n"
+    "                     fisheye: the half space ahead in a circle\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
-    "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, "
+    "...\n" CLI_EXPOSURE_HELP
     "  --error P%         final: RMS error of pixels that is wanted, relative to what is around\n"
     "                     them, 0.5 % to 100 % (default 7 %); the plan is said. With --quality:\n"
     "                     refine from there on until the certificate's estimate of the\n"
@@ -80,11 +88,17 @@ static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
     [RSV_RENDER_OCCLUSION_SCREEN] = "occlusion-screen",
     NULL };
 
+static const char *const projection_names[] = { [RSV_PROJECTION_CAMERA] = "perspective",
+    [RSV_PROJECTION_EQUIRECTANGULAR] = "equirectangular",
+    [RSV_PROJECTION_FISHEYE] = "fisheye",
+    NULL };
+
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
     cli_moment moment;
     cli_sequence sequence;
+    cli_reading reading;
     cli_error_target target;
     cli_solve_choice solve;
     cli_list outputs;
@@ -93,6 +107,8 @@ typedef struct settings {
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
+    float fstop, focus; ///< 0 = a pinhole; what is in the middle
+    int projection;
     float noise; ///< below 0 = by mode and quality
     bool layers, goal;
     bool planned; ///< elements, rays and samples are chosen by error or time
@@ -131,6 +147,17 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--noise", .kind = CLI_SHARE, .value = &s->noise, .min = 0, .max = 1 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--fstop", .kind = CLI_REAL, .value = &s->fstop, .min = 0.01, .max = 1e6 },
+        { .name = "--focus",
+            .kind = CLI_REAL,
+            .value = &s->focus,
+            .min = 1e-6,
+            .max = 1e9,
+            .goes_with = "--fstop" },
+        { .name = "--projection",
+            .kind = CLI_CHOICE,
+            .value = &s->projection,
+            .choices = projection_names },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
         { .name = "--occlusion-distance",
@@ -138,7 +165,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->occlusion_distance,
             .max = 1e9 },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
-        { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
+        CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
@@ -147,6 +174,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SEQUENCE_OPTIONS(&s->sequence),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -211,6 +239,17 @@ static bool check_request(const settings *s)
             100 * (double)s->target.share);
         return false;
     }
+    if (s->fstop > 0 && s->projection != RSV_PROJECTION_CAMERA) {
+        cli_error("--fstop does not go with --projection %s, where all is sharp",
+            projection_names[s->projection]);
+        return false;
+    }
+    bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
+    if (is_occlusion && (s->fstop > 0 || s->projection != RSV_PROJECTION_CAMERA)) {
+        cli_error("--mode %s is a pinhole camera's: leave out --fstop and --projection",
+            mode_names[s->mode]);
+        return false;
+    }
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
         cli_error("--mode reference is the processor's alone: leave out --device");
         return false;
@@ -240,6 +279,13 @@ static float default_noise(const settings *s)
     return s->mode == RSV_RENDER_FINAL && !s->samples ? by_quality[s->solve.quality] : 0;
 }
 
+static cli_size default_size(const settings *s, const rsv_camera *camera)
+{
+    if (s->projection == RSV_PROJECTION_EQUIRECTANGULAR) return (cli_size){ 512, 256 };
+    if (s->projection == RSV_PROJECTION_FISHEYE) return (cli_size){ 512, 512 };
+    return cli_default_size(camera);
+}
+
 static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -250,7 +296,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
             s->camera ? s->camera : "", s->scene);
         return false;
     }
-    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[desc->camera]);
+    cli_size size = s->size.width ? s->size : default_size(s, &view->camera[desc->camera]);
     desc->mode = (rsv_render_mode)s->mode;
     desc->width = size.width;
     desc->height = size.height;
@@ -259,36 +305,58 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
+    desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
+        .f_number = s->fstop,
+        .focus_distance = s->focus };
     desc->seed = s->solve.seed;
     return true;
 }
 
-static rsv_solve_desc describe_solve(const settings *s, const rsv_scene *scene)
+/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise, and 12 for
+/// each layer.
+static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
+{
+    size_t bytes = s->planned || picture->noise > 0 ? 46 : 25;
+    if (picture->layers) bytes += 120;
+    return picture->width * (size_t)picture->height * bytes;
+}
+
+static rsv_solve_desc describe_solve(
+    const settings *s, const rsv_scene *scene, const rsv_render_desc *picture)
 {
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    desc.reserved_bytes = picture_bytes(s, picture);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     if (s->goal) desc.goal_camera = rsv_scene_find_camera(scene, s->camera);
     return desc;
 }
 
 /// @param certificate filled where the statistics want it
-static rsv_status solve(
-    cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
+static rsv_status solve(cli_session *session, const settings *s, const rsv_render_desc *picture,
+    cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_solve_desc desc = describe_solve(s, subject->scene);
+    rsv_solve_desc desc = describe_solve(s, subject->scene, picture);
     bool is_certified = !subject->solution && s->target.share > 0;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
     if (status != RSV_OK || is_certified) return status;
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
-static rsv_status write_pictures(const settings *s, uint32_t frame, const rsv_image *image)
+/// Of .png.
+static float choose_exposure(cli_session *session, const settings *s, const rsv_image *image)
+{
+    bool wanted = cli_writes_png(&s->outputs) && cli_exposes(session, s->scene, s->exposure);
+    return cli_expose(session, wanted, s->exposure, image);
+}
+
+static rsv_status write_pictures(
+    const settings *s, uint32_t frame, const rsv_image *image, float exposure)
 {
     char path[PATH_MAX];
     rsv_status status = RSV_OK;
     for (size_t i = 0; cli_crew_speaks() && i < s->outputs.count && status == RSV_OK; i++)
         if (picture_path(s, s->outputs.item[i], frame, path)) // check_picture saw to it
-            status = rsv_image_write(image, path, s->exposure);
+            status = rsv_image_write(image, path, exposure);
     return status;
 }
 
@@ -310,11 +378,13 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, stats);
 }
 
-static rsv_plan_desc describe_plan(cli_session *session, const settings *s)
+static rsv_plan_desc describe_plan(
+    cli_session *session, const settings *s, const rsv_render_desc *picture)
 {
     rsv_plan_desc plan = rsv_default_plan_desc();
     double left = (double)s->target.max_seconds - (cli_seconds() - session->started);
     plan.solve = cli_describe_solve(&s->solve);
+    plan.solve.reserved_bytes = picture_bytes(s, picture);
     if (s->target.share > 0) plan.relative_error = (double)s->target.share;
     if (s->target.max_seconds == 0) return plan;
     if (s->target.share == 0) plan.relative_error = 0;
@@ -328,7 +398,7 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     const rsv_render_desc *desc, cli_subject *subject, rsv_image **image, cli_stats *stats)
 {
     static const rsv_solve_report nothing = { 0 };
-    rsv_plan_desc plan = describe_plan(session, s);
+    rsv_plan_desc plan = describe_plan(session, s, desc);
     double started = cli_seconds();
     bool was_solved = subject->solution != NULL;
     rsv_status status =
@@ -368,6 +438,7 @@ typedef struct reel {
     rsv_solve_report sum;    ///< the last one's, with times and rays of all
     rsv_update_report kept;  ///< of all
     cli_stats stats;
+    float exposure; ///< of all frames: what shows the first one well
 } reel;
 
 static void add_reports(reel *r, const rsv_solve_report *report, const rsv_update_report *kept)
@@ -387,10 +458,10 @@ static void add_reports(reel *r, const rsv_solve_report *report, const rsv_updat
 }
 
 /// The light of a frame, from what still holds of the one before.
-static rsv_status update(reel *r, cli_subject *subject)
+static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *picture)
 {
     rsv_update_report kept;
-    rsv_solve_desc desc = describe_solve(r->s, subject->scene);
+    rsv_solve_desc desc = describe_solve(r->s, subject->scene, picture);
     rsv_status status =
         rsv_operator_update(subject->scene, &desc, r->store, &subject->solution, &kept);
     if (status == RSV_OK) add_reports(r, rsv_light_report(subject->solution), &kept);
@@ -407,9 +478,11 @@ static bool run_frame(reel *r, uint32_t frame)
     r->session->moment.time = cli_frame_time(&s->sequence, frame);
     subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
     bool good = subject.scene && describe_picture(s, subject.scene, &desc);
-    rsv_status status = good && is_solved(s) ? update(r, &subject) : RSV_OK;
+    rsv_status status = good && is_solved(s) ? update(r, &subject, &desc) : RSV_OK;
     if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
-    if (good && status == RSV_OK) status = write_pictures(s, frame, image);
+    if (good && status == RSV_OK && frame == s->sequence.first)
+        r->exposure = choose_exposure(r->session, s, image);
+    if (good && status == RSV_OK) status = write_pictures(s, frame, image, r->exposure);
     if (status != RSV_OK) cli_report_failure(r->session, status);
     r->stats.time_render += stats.time_render;
     r->stats.standard_error = stats.standard_error;
@@ -435,6 +508,7 @@ static bool write_reel_stats(reel *r)
     cJSON_AddNumberToObject(r->stats.more, "kept_rows_of_all_frames", (double)r->kept.kept_rows);
     cJSON_AddNumberToObject(r->stats.more, "update_seconds", r->kept.seconds);
     r->stats.report = is_solved(s) ? &r->sum : NULL;
+    if (cli_writes_png(&s->outputs)) r->stats.exposure = &r->exposure;
     return write_stats(r->session, s, &desc, NULL, NULL, &r->stats);
 }
 
@@ -463,6 +537,7 @@ static int run(cli_session *session, const settings *s)
     rsv_render_desc desc;
     rsv_certificate certificate;
     rsv_image *image = NULL;
+    float exposure = 0;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
@@ -472,11 +547,15 @@ static int run(cli_session *session, const settings *s)
     if (s->planned)
         status = render_planned(session, s, &desc, &subject, &image, &stats);
     else if (is_solved(s))
-        status = solve(session, s, &subject, &certificate);
+        status = solve(session, s, &desc, &subject, &certificate);
     if (status == RSV_OK && s->planned && subject.solution)
         status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
     if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
-    if (status == RSV_OK) status = write_pictures(s, 0, image);
+    if (status == RSV_OK) {
+        exposure = choose_exposure(session, s, image);
+        status = write_pictures(s, 0, image, exposure);
+    }
+    if (cli_writes_png(&s->outputs)) stats.exposure = &exposure;
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (!s->stats || write_stats(session, s, &desc, is_solved(s) ? subject.solution : NULL,
@@ -496,6 +575,7 @@ int cli_render(int argc, char **argv)
         .environment = CLI_DEFAULT_ENVIRONMENT,
         .moment = CLI_AT_REST,
         .sequence = CLI_DEFAULT_SEQUENCE,
+        .exposure = CLI_AUTO_EXPOSURE,
         .noise = -1 };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
@@ -506,6 +586,7 @@ int cli_render(int argc, char **argv)
         return CLI_FAILURE;
     session.mesh = s.mesh;
     session.moment = s.moment;
+    session.reading = s.reading;
     exit_status = s.sequence.frames ? run_sequence(&session, &s) : run(&session, &s);
     cli_session_end(&session);
     return exit_status;

@@ -20,8 +20,8 @@ static const char help[] =
     "`info`\n"
     "take in place of a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
-    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP
-        CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
+    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
     "  --goal             spend elements on what the camera sees and on what lights that\n"
     "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
     "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
@@ -44,6 +44,7 @@ typedef struct settings {
     cli_points sensors; ///< of --points
     cli_environment environment;
     cli_moment moment;
+    cli_reading reading;
     cli_error_target target;
     cli_solve_choice solve;
     cli_checkpoint checkpoint;
@@ -67,6 +68,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -170,6 +172,7 @@ int cli_solve(int argc, char **argv)
         return CLI_FAILURE;
     session.mesh = s.mesh;
     session.moment = s.moment;
+    session.reading = s.reading;
     session.keep_document = !s.no_document;
     exit_status = run(&session, &s);
     cli_session_end(&session);

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "exposure.h"
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
@@ -31,6 +32,8 @@ static const char help_head[] =
     "  --object FILE      a rigid object that moves: drag its ring, or `place` it in a script; lit "
     "by\n"
     "                     the scene, with its shadow and its images (docs/view.md)\n"
+    "  --exposure STOPS   brighter by 2^STOPS, to begin with (default: of scenes from files what\n"
+    "                     shows their first light well, said in a note; of built-in ones 0)\n"
     "  --budget MS        milliseconds of a frame for orders of light while it changes (default "
     "8)\n"
     "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
@@ -38,7 +41,7 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
@@ -54,11 +57,12 @@ typedef struct settings {
     const char *scene, *camera, *script, *record, *mesh, *object, *stats;
     cli_environment environment;
     cli_moment moment;
+    cli_reading reading;
     cli_solve_choice solve;
     cli_size size;
     uint32_t frames, threads; ///< 0 = as long as it takes; one per processor
     int device;
-    float budget_ms;
+    float budget_ms, exposure;
 } settings;
 
 /// Everything that is open.
@@ -72,6 +76,7 @@ typedef struct viewer {
     cli_view_script script;
     cli_view_hud hud;
     cli_canvas canvas;
+    bool exposes;                ///< the first light is still to say how bright it is shown
     cli_window *window;          ///< NULL = recording
     uint32_t frame, frame_count; ///< so far; at most
     double *time_ms;             ///< [time_count] of frames, for the statistics
@@ -89,6 +94,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
         { .name = "--budget", .kind = CLI_REAL, .value = &s->budget_ms, .max = 1e6 },
+        CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--frames",
             .kind = CLI_COUNT,
@@ -103,6 +109,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = NULL },
     };
@@ -139,7 +146,21 @@ static bool begin_state(viewer *v, const rsv_light *light)
         return false;
     }
     v->state.camera = v->state.scene->camera[camera];
+    v->exposes = cli_exposes(v->session, v->settings->scene, v->settings->exposure);
+    if (!isnan(v->settings->exposure)) cli_view_expose(&v->state, v->settings->exposure);
     return true;
+}
+
+/// Sets the exposure by the first light that there is, and leaves it alone from then on.
+static rsv_status expose(viewer *v)
+{
+    float stops = 0;
+    if (!v->exposes || !cli_show_is_lit(&v->show)) return RSV_OK;
+    v->exposes = false;
+    uint32_t camera = rsv_scene_find_camera(v->subject.scene, v->settings->camera);
+    rsv_status status = cli_expose_light(v->session, true, v->show.lit.light, camera, &stops);
+    if (status == RSV_OK) cli_view_expose(&v->state, stops);
+    return status;
 }
 
 /// The folder for frames, made if it is not there.
@@ -235,7 +256,7 @@ static bool open_viewer(viewer *v)
     if (!s->record && !v->window) return false;
     const char *slash = strrchr(s->scene, '/');
     v->hud.scene = slash ? slash + 1 : s->scene;
-    return open_light(v) && begin_state(v, v->show.lit.light) &&
+    return open_light(v) && begin_state(v, v->show.lit.light) && report(v, expose(v)) &&
            set_canvas(&v->canvas, s->size.width, s->size.height);
 }
 
@@ -317,6 +338,7 @@ static bool record(viewer *v)
 static bool make_frame(viewer *v, cli_view_timing *timing)
 {
     rsv_status status = cli_show_update(&v->show, &v->state);
+    if (status == RSV_OK) status = expose(v);
     if (status == RSV_OK) status = cli_show_frame(&v->show, &v->state, &v->canvas, timing);
     bool refused = status == RSV_ERROR_ARGUMENT || status == RSV_ERROR_UNSUPPORTED;
     if (refused && v->window) {
@@ -427,7 +449,8 @@ int cli_view(int argc, char **argv)
         .moment = CLI_AT_REST,
         .solve = CLI_DEFAULT_SOLVE,
         .size = { 960, 540 },
-        .budget_ms = 8 };
+        .budget_ms = 8,
+        .exposure = CLI_AUTO_EXPOSURE };
     cli_session session;
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
@@ -436,6 +459,7 @@ int cli_view(int argc, char **argv)
         return CLI_FAILURE;
     session.mesh = s.mesh;
     session.moment = s.moment;
+    session.reading = s.reading;
     viewer v = { .settings = &s, .session = &session };
     bool good = open_viewer(&v);
     cli_progress_clear(&session.progress);

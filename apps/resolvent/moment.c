@@ -69,8 +69,9 @@ bool cli_load_moment(cli_session *session, const char *path, rsv_scene **scene)
 {
     uint32_t clip;
     rsv_status status = RSV_OK;
+    const rsv_load_desc load = cli_describe_load(session);
     if (!session->animation)
-        status = rsv_animation_open(session->context, path, NULL, &session->animation);
+        status = rsv_animation_open(session->context, path, &load, &session->animation);
     if (status == RSV_OK && !find_clip(session, path, &clip)) return false;
     if (status == RSV_OK)
         status = rsv_animation_scene(session->animation, clip, (double)session->moment.time, scene);

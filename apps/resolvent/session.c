@@ -148,6 +148,22 @@ static void release(void *user, void *memory)
     free(memory);
 }
 
+const char *const cli_light_unit_names[] = { [RSV_LIGHT_UNITS_AUTO] = "auto",
+    [RSV_LIGHT_UNITS_WATT] = "watt",
+    [RSV_LIGHT_UNITS_PHOTOMETRIC] = "photometric",
+    NULL };
+
+const char *const cli_emit_names[] = { "file", "both", NULL };
+
+const char *cli_reading_given(const cli_reading *reading)
+{
+    return reading->light_units ? "--light-units"
+           : reading->two_sided ? "--two-sided"
+           : reading->emit      ? "--emit"
+           : reading->variant   ? "--variant"
+                                : NULL;
+}
+
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
     *session = (cli_session){
@@ -232,6 +248,16 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
+/// Built-in scenes are as they are.
+static void warn_of_reading(cli_session *session)
+{
+    char line[64];
+    const char *given = cli_reading_given(&session->reading);
+    if (!given) return;
+    snprintf(line, sizeof line, "%s does nothing to built-in scenes", given);
+    cli_warn(session, line);
+}
+
 /// Options that the kind of scene has no use for.
 static bool check_kind(const cli_session *session, const char *name, bool is_file)
 {
@@ -245,15 +271,26 @@ static bool check_kind(const cli_session *session, const char *name, bool is_fil
     return false;
 }
 
+rsv_load_desc cli_describe_load(const cli_session *session)
+{
+    rsv_load_desc load = rsv_default_load_desc();
+    load.keep_document = session->keep_document;
+    load.light_units = (rsv_light_units)session->reading.light_units;
+    load.two_sided = session->reading.two_sided;
+    load.emit_both = session->reading.emit;
+    load.variant = session->reading.variant;
+    return load;
+}
+
 static bool read_scene(cli_session *session, const char *name, bool is_file, rsv_scene **scene)
 {
     rsv_status status;
     if (is_file && isfinite(session->moment.time)) return cli_load_moment(session, name, scene);
     if (is_file) {
-        rsv_load_desc load = rsv_default_load_desc();
-        load.keep_document = session->keep_document;
+        const rsv_load_desc load = cli_describe_load(session);
         status = rsv_scene_load_with(session->context, name, &load, scene);
     } else if (rsv_scene_is_builtin(name)) {
+        warn_of_reading(session);
         status = cli_build_scene(session, name, scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());

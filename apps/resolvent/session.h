@@ -27,13 +27,22 @@ typedef struct cli_moment {
 
 #define CLI_AT_REST ((cli_moment){ .time = NAN })
 
+/// How scene files are to be understood: what --light-units, --two-sided, --emit and --variant ask for.
+typedef struct cli_reading {
+    int light_units; ///< rsv_light_units
+    bool two_sided;
+    int emit;            ///< 1 = from both sides
+    const char *variant; ///< NULL = the default
+} cli_reading;
+
 typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
     cli_messages warnings, notes;
-    const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
-    cli_moment moment;         ///< that scenes are opened at
-    rsv_animation *animation;  ///< that scenes came from; NULL = none
+    const char *mesh;         ///< file of --mesh, the body of a built-in scene; NULL = none
+    cli_moment moment;        ///< that scenes are opened at
+    rsv_animation *animation; ///< that scenes came from; NULL = none
+    cli_reading reading;
     bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
@@ -53,6 +62,34 @@ typedef struct cli_session {
 #define CLI_MESH_HELP                                                                              \
     "  --mesh FILE        the body in cornell-glass, cornell-marble (a dragon) or character (a "   \
     "head)\n"
+
+// clang-format off
+/// The options that fill a cli_reading, for a command's table; it goes to the session once that has begun.
+#define CLI_READING_OPTIONS(reading)                                                               \
+    { .name = "--light-units", .kind = CLI_CHOICE, .value = &(reading)->light_units,               \
+      .choices = cli_light_unit_names },                                                           \
+    { .name = "--two-sided", .kind = CLI_FLAG, .value = &(reading)->two_sided },                   \
+    { .name = "--emit", .kind = CLI_CHOICE, .value = &(reading)->emit, .choices = cli_emit_names }, \
+    { .name = "--variant", .kind = CLI_TEXT, .value = &(reading)->variant }
+// clang-format on
+
+/// Their lines in a command's help.
+#define CLI_READING_HELP                                                                           \
+    "  --light-units U    what a file's strengths of lights mean: watt (W/sr, W/m2), "             \
+    "photometric\n"                                                                                \
+    "                     (candela, lux: divided by 683 lm/W), or auto (default), by the "         \
+    "program\n"                                                                                    \
+    "                     that wrote the file\n"                                                   \
+    "  --two-sided        show materials of a file from both sides that it has single-sided\n"     \
+    "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
+    "it\n"                                                                                         \
+    "                     says; or both\n"                                                         \
+    "  --variant NAME     the materials of a variant that a glTF file offers\n"
+
+extern const char *const cli_light_unit_names[], *const cli_emit_names[];
+
+/// The option that says how to read a file and was given; NULL = none.
+const char *cli_reading_given(const cli_reading *reading);
 
 /// @param session must stay where it is until cli_session_end
 /// @param threads 0 = one per processor
@@ -111,6 +148,9 @@ typedef struct cli_environment {
 rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment);
 
+/// How the session reads files.
+rsv_load_desc cli_describe_load(const cli_session *session);
+
 /// Whether a signal asked to stop.
 bool cli_interrupted(void);
 
@@ -122,6 +162,9 @@ uint32_t cli_thread_count(uint32_t threads);
 
 /// Prints "error: ..." on standard error.
 void cli_error(const char *format, ...) RSV_PRINTF(1, 2);
+
+/// Prints "note: ..." on standard error, unless it was said before.
+void cli_note(cli_session *session, const char *message);
 
 /// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);

@@ -64,6 +64,9 @@ static void add_settings(cJSON *root, const cli_stats *stats)
     cJSON_AddStringToObject(
         root, "device", cli_device() ? rsv_device_get_info(cli_device())->name : "cpu");
     cJSON_AddNumberToObject(root, "seed", stats->seed);
+    // without the digits that floats make up
+    double stops = stats->exposure ? round((double)*stats->exposure * 1e6) / 1e6 : NAN;
+    cJSON_AddNumberToObject(root, "exposure", stops);
 }
 
 /// cJSON writes NAN as null: what was not solved has no norm and no residual.

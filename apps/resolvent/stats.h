@@ -26,6 +26,7 @@ typedef struct cli_stats {
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_solve;     ///< seconds; 0 = as the report has it
     double time_render;
+    const float *exposure; ///< stops of .png; NULL = there is none
     /// More members of the file, which take them over; NULL = none.
     struct cJSON *more;
 } cli_stats;

@@ -26,6 +26,11 @@ static bool refuse_scene_options(
         cli_error("--time: '%s' is a solved operator, of one moment; solve another one anew", name);
         return false;
     }
+    const char *given = cli_reading_given(&session->reading);
+    if (given) {
+        cli_error("%s: '%s' is a solved operator with a scene of its own; solve anew", given, name);
+        return false;
+    }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (environment && environment->fog.medium) {

@@ -48,6 +48,7 @@ typedef struct rsv_daylight rsv_daylight;
 
 /// @param light of the scene; its operator carries the light on, its own light tells errors; must outlive the result
 /// @param sensors [count], copied
+/// RSV_ERROR_UNSUPPORTED for scenes with fog
 RSV_API rsv_status rsv_daylight_create(const rsv_light *light, const rsv_probe *sensors,
     size_t count, const rsv_daylight_desc *desc, rsv_daylight **daylight);
 RSV_API void rsv_daylight_destroy(rsv_daylight *daylight);

@@ -29,12 +29,17 @@ RSV_API rsv_status rsv_image_set_layer_name(rsv_image *image, uint32_t layer, co
 /// Index of the layer called `name`; UINT32_MAX if there is none.
 RSV_API uint32_t rsv_image_find_layer(const rsv_image *image, const char *name);
 
-/// Reads .exr (all RGB layers), .hdr, .png, .jpg; 8-bit formats are decoded from sRGB to linear.
+/// Reads .exr (all RGB layers), .hdr, .png, .jpg, .webp; 8-bit formats are decoded from sRGB to linear.
 RSV_API rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image);
 
 /// Writes by extension: .exr (32-bit float, all layers), .hdr and .png (layer 0). PNG holds
 /// sRGB(radiance * 2^exposure), clipped. The file appears complete or not at all.
 RSV_API rsv_status rsv_image_write(const rsv_image *image, const char *path, float exposure);
+
+/// Stops for rsv_image_write by which layer 0 is shown well, in steps of 0.05: 0 where the geometric mean of the luminance of
+/// what is not black lies between 0.13 and 0.36, else what brings it to the nearer of the two, within -64 .. 64. 0 for a black
+/// picture. What is more than 8 stops below the brightest 5 % counts as no darker than that.
+RSV_API float rsv_image_exposure(const rsv_image *image);
 
 /// RSV_OK if `path` has a supported extension and its folder can be written; to be asked before long
 /// work.

@@ -12,6 +12,14 @@ extern "C" {
 /// An axis of a file's own coordinates.
 typedef enum rsv_axis { RSV_AXIS_X, RSV_AXIS_Y, RSV_AXIS_Z } rsv_axis;
 
+/// What numbers stand for that a file gives as strengths of lights.
+typedef enum rsv_light_units {
+    RSV_LIGHT_UNITS_AUTO, ///< by the program that wrote the file; watts where that is not known to mean anything else
+    RSV_LIGHT_UNITS_WATT, ///< W/sr, W/m2 and W/(m2 sr)
+    /// Candela, lux and candela per m2, as the specification of glTF says: divided by 683 lm/W
+    RSV_LIGHT_UNITS_PHOTOMETRIC
+} rsv_light_units;
+
 /// How to understand what a file leaves open. Start from rsv_default_load_desc().
 typedef struct rsv_load_desc {
     /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
@@ -27,6 +35,14 @@ typedef struct rsv_load_desc {
     /// Keep a glTF file, and the buffers and pictures beside it, in memory as they are: bakes write them back with light
     /// added (bake.h), operator files hold them (opfile.h). Default true; rsv_scene_drop_document() frees them.
     bool keep_document;
+    rsv_light_units light_units; ///< default auto
+    /// Shows materials that do not shine from both sides, where a file has them single-sided (default false). What
+    /// lies behind a front stays hidden by it.
+    bool two_sided;
+    /// Which of the materials that a glTF file offers for the same parts (KHR_materials_variants): a name; NULL = those shown
+    /// by default. The document is not kept then: it shows others.
+    const char *variant;
+    bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 
 RSV_API rsv_load_desc rsv_default_load_desc(void);

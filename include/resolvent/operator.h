@@ -57,9 +57,9 @@ RSV_API bool rsv_operator_locate(const rsv_operator *transport, uint32_t triangl
 /// The same for points in space, each at the nearest place of the surfaces that its normal looks at, where mode lookup of
 /// rsv_probe_irradiance reads, too.
 /// @param probes [count], less rsv_scene_view.origin
-/// @param element, weight out, [count]; weights are 0 where the surface does not reflect diffusely
+/// @param around out, [count]; weights are 0 where the surface does not reflect diffusely
 RSV_API rsv_status rsv_operator_locate_probes(const rsv_operator *transport,
-    const rsv_probe *probes, size_t count, uint32_t (*element)[3], float (*weight)[3]);
+    const rsv_probe *probes, size_t count, rsv_element_weights *around);
 
 /// An element: the function that is 1 at its node, falls to 0 at the nodes around, and is linear in between.
 typedef struct rsv_element {

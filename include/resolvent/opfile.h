@@ -31,6 +31,11 @@ RSV_API rsv_status rsv_light_load(
 /// has: for those who will read it each for themselves.
 RSV_API rsv_status rsv_operator_compare(rsv_context *context, const char *path);
 
+/// What the scene of an operator file is called: `scene_name` of rsv_light_save, cut to size.
+/// @param name out [bytes]
+RSV_API rsv_status rsv_operator_scene_name(
+    rsv_context *context, const char *path, char *name, size_t bytes);
+
 /// Whether a file looks like an operator file rather than a scene, by its first bytes. It may still be damaged.
 RSV_API bool rsv_is_operator_file(const char *path);
 

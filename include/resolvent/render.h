@@ -32,6 +32,8 @@ typedef struct rsv_render_desc {
     uint32_t camera; ///< index in the scene
     /// Modes operator, final and reference: a camera that is not in the scene, instead; borrowed. NULL = none
     const rsv_camera *viewpoint;
+    /// Likewise: what the camera's film does. Default: a pinhole camera. Rough coats are seen with more noise without one.
+    rsv_film_desc film;
     uint32_t
         gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up;
                      ///< modes occlusion: rays or points per surface seen, 0 = 16

@@ -6,6 +6,7 @@
 #include "resolvent/animation.h"
 #include "resolvent/bake.h"
 #include "resolvent/certify.h"
+#include "resolvent/check.h"
 #include "resolvent/core.h"
 #include "resolvent/daylight.h"
 #include "resolvent/frame.h"

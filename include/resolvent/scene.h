@@ -168,6 +168,24 @@ typedef struct rsv_camera {
     float aspect;                ///< width / height for which it was made; 0 = unspecified
 } rsv_camera;
 
+/// What a picture shows of the directions around a camera.
+typedef enum rsv_projection {
+    RSV_PROJECTION_CAMERA, ///< what the camera is: perspective or orthographic
+    RSV_PROJECTION_EQUIRECTANGULAR, ///< all: longitude along rows, ahead in the middle; latitude along columns
+    RSV_PROJECTION_FISHEYE ///< the half space ahead, equidistant: 90 degrees off the axis at the nearer edge; black beyond
+} rsv_projection;
+
+/// How the film of a camera takes a picture. All zero: as a pinhole camera does.
+typedef struct rsv_film_desc {
+    rsv_projection projection;
+    /// Focal length divided by the diameter of the aperture, on film of 24 mm height; 0 = all is sharp. Perspective alone.
+    float f_number;
+    float
+        focus_distance; ///< metres along the axis to what is sharp; 0 = to what is in the middle of the picture
+    float shift
+        [2]; ///< of the film to the right and upwards, in widths and heights of the picture; not for all directions
+} rsv_film_desc;
+
 /// Light from infinitely far away, as a latitude-longitude picture. Direction (x, y, z) looks up column
 /// 1/2 + atan2(z, x) / 2 pi of the width and row acos(y) / pi of the height, from the top; in between,
 /// pixels are interpolated.
@@ -230,6 +248,15 @@ typedef struct rsv_scene_view {
 
 RSV_API rsv_status rsv_scene_create(rsv_context *context, rsv_scene **scene);
 RSV_API void rsv_scene_destroy(rsv_scene *scene);
+
+/// What is known of a texture.
+typedef struct rsv_texture_info {
+    const char *name; ///< borrowed
+    uint32_t width, height, channel_count;
+} rsv_texture_info;
+
+/// @param texture of a committed scene's materials; all zero if there is none
+RSV_API rsv_texture_info rsv_scene_texture_info(const rsv_scene *scene, uint32_t texture);
 
 /// Copies a texture and builds its pyramid of coarser versions, each the exact mean of the finer one in linear
 /// light. Non-finite values become 0 with a warning. RSV_ERROR_FORMAT for sizes outside the limits.

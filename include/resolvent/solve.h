@@ -57,6 +57,7 @@ typedef struct rsv_solve_desc {
     size_t
         max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
                    ///< elements and fewer rays; 0 = no limit
+    size_t reserved_bytes; ///< of these for what is made of the solution: a picture, a lightmap (default 0)
     /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was, and what a
     /// finished solution knows, for the next one after an edit; for one scene
     /// (rsv_scene_fingerprint) and one version of the library. It must exist; borrowed. NULL (default) = none.

@@ -4,6 +4,7 @@
 #include <string.h>
 
 static const char draco[] = "KHR_draco_mesh_compression";
+static const char meshopt[] = "EXT_meshopt_compression";
 
 static cJSON *member(const cJSON *object, const char *name)
 {
@@ -74,8 +75,34 @@ static void move_accessors(rsv_bake_document *d, int first)
     }
 }
 
+/// Views that the parser has unpacked name the buffers that it made for them.
+static void move_views(rsv_bake_document *d)
+{
+    size_t k = 0;
+    bool any = false;
+    cJSON *json;
+    cJSON_ArrayForEach(json, member(d->root, "bufferViews"))
+    {
+        if (k >= d->gltf->buffer_view_count) break;
+        const rsv_gltf_buffer_view *view = &d->gltf->buffer_view[k++];
+        if (!member(member(json, "extensions"), meshopt)) continue;
+        rsv_bake_number(d, json, "buffer", view->buffer);
+        rsv_bake_number(d, json, "byteLength", (double)view->length);
+        cJSON_DeleteItemFromObjectCaseSensitive(json, "byteOffset");
+        rsv_bake_remove_extension(json, meshopt);
+        any = true;
+    }
+    if (!any) return;
+    cJSON_ArrayForEach(json, member(d->root, "buffers"))
+    {
+        rsv_bake_remove_extension(json, meshopt);
+    }
+    rsv_bake_unlist_extension(d, meshopt);
+}
+
 void rsv_bake_unpack(rsv_bake_document *d)
 {
+    move_views(d);
     cJSON *views = member(d->root, "bufferViews"), *mesh, *primitive;
     int first = cJSON_GetArraySize(views);
     if ((size_t)first >= d->gltf->buffer_view_count) return;

@@ -1,4 +1,4 @@
-/// Meshes that came packed (KHR_draco_mesh_compression) are written plain: lightmaps need vertices of their own.
+/// What came packed (KHR_draco_mesh_compression, EXT_meshopt_compression) is written plain: lightmaps need vertices of their own.
 #ifndef RSV_BAKE_UNPACK_H
 #define RSV_BAKE_UNPACK_H
 

@@ -137,6 +137,9 @@ rsv_status rsv_daylight_create(const rsv_light *light, const rsv_probe *sensor, 
     const rsv_light_view *view = rsv_light_get_view(light);
     rsv_status status = check_desc(sensor, count, desc);
     *daylight = NULL;
+    if (status == RSV_OK && view->scene.view->fog)
+        status = rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "daylight: fog is not followed; clear the air of the scene");
     if (status != RSV_OK) return status;
     rsv_daylight *d = rsv_alloc(view->context, 1, sizeof *d);
     if (!d) return RSV_ERROR_MEMORY;

@@ -29,6 +29,8 @@ typedef struct preview_job {
 
 bool rsv_can_preview(const rsv_lights *lights)
 {
+    for (size_t i = 0; i < lights->emitter_count; i++)
+        if (rsv_emitter_sides_differ(lights->scene, &lights->emitter[i])) return false;
     return !rsv_environment_light_is_sampled(lights->environment);
 }
 

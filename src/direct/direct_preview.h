@@ -9,7 +9,8 @@
 
 #include "receiver_blocks.h"
 
-/// Whether a preview finds all of a source's direct light: of emitters and punctual lights, not of surroundings.
+/// Whether a preview finds all of a source's direct light: of punctual lights and of emitters whose sides are alike,
+/// not of surroundings.
 bool rsv_can_preview(const rsv_lights *lights);
 
 /// Irradiance of the nodes in blocks, and 0 for those that receive nothing or hang: those are to be constrained. The others

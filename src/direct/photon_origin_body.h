@@ -29,7 +29,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_group(
     out.origin = rsv_moved_off(point, normal, rsv_extent_of(o->scene->view, e->triangle));
     out.direction = rsv_photon_to_world(rsv_square_to_cosine_hemisphere(x, y), normal);
     double probability = rsv_emitter_power(e) / g->power;
-    out.flux = rgb_scale(rsv_emitter_radiance(o->lights, index, u, v),
+    out.flux = rgb_scale(rsv_emitter_radiance(o->lights, index, back, u, v),
         (float)(M_PI * e->area * (e->double_sided ? 2 : 1) / probability));
     return out;
 }

@@ -54,7 +54,7 @@ rsv_status rsv_assimp_read(
     struct stat info;
     if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
     RSV_TRY(rsv_in_child_process(context, convert, &j, (size_t)info.st_size, &answer, &count));
-    RSV_TRY(rsv_receive_parts(answer, count, scene));
+    RSV_TRY(rsv_receive_parts(answer, count, path, scene));
     if (kind != RSV_FILE_OBJ) note_places(scene);
 cleanup:
     rsv_free(context, answer);

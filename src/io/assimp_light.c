@@ -5,45 +5,51 @@
 
 #include "../core/vec.h"
 #include "../scene/punctual.h"
+#include "light_units.h"
 
-#include <ctype.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <assimp/commonMetaData.h>
 
 #define PI 3.14159265358979323846
+#define FIRST_WITH_WATTS 2080  ///< version of Blender, as rsv_blender_version has it
 #define USUAL_FOV 0.785398163f ///< of a camera that does not say its own, radians
 
 // ---- what the file says as a whole ------------------------------------------------------------------
 
-/// Whether the file was written by a Blender whose lights have watts: 2.80 or later.
-static bool has_watts(const struct aiScene *file)
+/// The program that wrote the file; "" = it does not say.
+static const char *generator_of(const struct aiScene *file)
 {
     const struct aiMetadata *metadata = file->mMetaData;
     for (unsigned i = 0; metadata && i < metadata->mNumProperties; i++) {
         const struct aiMetadataEntry *entry = &metadata->mValues[i];
-        if (entry->mType != AI_AISTRING || !entry->mData ||
-            strcmp(metadata->mKeys[i].data, AI_METADATA_SOURCE_GENERATOR) != 0)
-            continue;
-        const char *at = strstr(((const struct aiString *)entry->mData)->data, "Blender");
-        if (!at) return false;
-        at += strcspn(at, "0123456789");
-        char *end;
-        long major = strtol(at, &end, 10), minor = *end == '.' ? strtol(end + 1, NULL, 10) : 0;
-        return major == 0 || major > 2 || minor >= 80; // 0 = it says no version
+        if (entry->mType == AI_AISTRING && entry->mData &&
+            strcmp(metadata->mKeys[i].data, AI_METADATA_SOURCE_GENERATOR) == 0)
+            return ((const struct aiString *)entry->mData)->data;
     }
-    return false;
+    return "";
 }
 
-rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kind kind,
-    const struct aiScene *file, double metres_per_unit, rsv_assimp_facts *facts)
+/// Whether the file was written by a Blender whose lights have watts.
+static bool has_watts(const struct aiScene *file)
 {
-    *facts = (rsv_assimp_facts){
-        .kind = kind, .metres_per_unit = metres_per_unit, .watts = has_watts(file)
-    };
+    int version = rsv_blender_version(generator_of(file));
+    return version == 0 || version >= FIRST_WITH_WATTS;
+}
+
+rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *reading,
+    const struct aiScene *file, rsv_assimp_facts *facts)
+{
+    const rsv_file_kind kind = reading->kind;
+    const char *path = reading->path;
+    *facts = (rsv_assimp_facts){ .kind = kind,
+        .metres_per_unit = reading->metres_per_unit,
+        .watts = has_watts(file),
+        .photometric = reading->light_units == RSV_LIGHT_UNITS_PHOTOMETRIC };
     bool needed = file->mNumLights + file->mNumCameras > 0;
+    if (file->mNumLights && facts->watts && reading->light_units == RSV_LIGHT_UNITS_AUTO)
+        rsv_log(context, RSV_LOG_INFO, "lights are in watts, as Blender exports them");
     if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
     if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
     facts->has_decay = file->mNumLights && rsv_file_mentions(path, "DecayType");
@@ -176,6 +182,7 @@ bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
     } else if (rsv_punctual_has_cone(light)) {
         take_cone(facts, source, order, light);
     }
+    if (facts->photometric) factor /= RSV_LUMENS_PER_WATT;
     light->intensity = rgb((float)((double)color.r * factor), (float)((double)color.g * factor),
         (float)((double)color.b * factor));
     return true;

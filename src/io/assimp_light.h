@@ -10,14 +10,23 @@ typedef struct rsv_assimp_facts {
     rsv_file_kind kind;
     double metres_per_unit;
     bool watts;          ///< written by Blender 2.80 or later: strengths are watts
+    bool photometric;    ///< what the file means is lumens where it would be watts
     bool has_decay;      ///< .fbx: some light says how it falls off
     bool has_fov;        ///< .fbx: some camera says its field of view
     rsv_collada collada; ///< .dae: what its text says
 } rsv_assimp_facts;
 
-/// @param metres_per_unit of its coordinates
-rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kind kind,
-    const struct aiScene *file, double metres_per_unit, rsv_assimp_facts *facts);
+/// What a file is to be understood by beside what it holds.
+typedef struct rsv_assimp_reading {
+    const char *path;
+    rsv_file_kind kind;
+    rsv_light_units light_units;
+    double metres_per_unit; ///< of its coordinates
+} rsv_assimp_reading;
+
+/// Says in a note what strengths of lights mean where the file does.
+rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *reading,
+    const struct aiScene *file, rsv_assimp_facts *facts);
 void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts);
 
 /// A light, or false, after a warning, where there is no such kind.

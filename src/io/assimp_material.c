@@ -163,15 +163,8 @@ static void take_metallic_roughness(const struct aiMaterial *source, rsv_materia
     material->sheen_roughness = read_float(source, AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, 0);
 }
 
-static void warn_of_losses(
-    const rsv_context *context, const struct aiMaterial *source, const rsv_material *material)
+static void warn_of_losses(const rsv_context *context, const rsv_material *material)
 {
-    unsigned textures = 0;
-    for (int type = aiTextureType_DIFFUSE; type <= AI_TEXTURE_TYPE_MAX; type++)
-        textures += aiGetMaterialTextureCount(source, (enum aiTextureType)type);
-    if (textures)
-        rsv_log(context, RSV_LOG_WARNING,
-            "material '%s': its textures are not used, only its colours", material->name);
     if (material->metallic > 0 && material->metallic < 1)
         rsv_log(context, RSV_LOG_WARNING,
             "material '%s': its mirror reflection takes on the diffuse colour", material->name);
@@ -192,8 +185,5 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
         take_phong(source, kind, material);
     rsv_rgb emission = read_color(source, AI_MATKEY_COLOR_EMISSIVE, rgb_gray(0));
     material->emission = rgb_scale(emission, read_float(source, AI_MATKEY_EMISSIVE_INTENSITY, 1));
-    // these formats show both sides of a polygon; a lamp shines from its front, as everywhere here, and the surface of a
-    // body separates inside from outside
-    material->double_sided = rgb_is_black(material->emission) && material->thickness == 0;
-    warn_of_losses(context, source, material);
+    warn_of_losses(context, material);
 }

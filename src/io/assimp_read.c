@@ -2,6 +2,8 @@
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"
 #include "assimp_light.h"
+#include "assimp_texture.h"
+#include "light_units.h"
 #include "matrix.h"
 #include "scene_parts.h"
 
@@ -81,6 +83,7 @@ static rsv_status add_smoothed(
     rsv_status status;
     rsv_smooth_mesh smooth = { 0 };
     rsv_vec3 *split = NULL;
+    float(*uv[2])[2] = { NULL, NULL };
     mesh.positions = position;
     mesh.vertex_count = vertex_count;
     RSV_TRY(rsv_smooth_normals(r->context, &mesh, r->desc->crease_angle, &smooth));
@@ -88,6 +91,14 @@ static rsv_status add_smoothed(
     if (!split) RSV_TRY(RSV_ERROR_MEMORY);
     for (size_t i = 0; i < smooth.vertex_count; i++)
         split[i] = position[smooth.source[i]];
+    for (int k = 0; k < 2; k++) {
+        if (!mesh.uvs[k]) continue;
+        if (!(uv[k] = rsv_alloc(r->context, smooth.vertex_count, sizeof *uv[k])))
+            RSV_TRY(RSV_ERROR_MEMORY);
+        for (size_t i = 0; i < smooth.vertex_count; i++)
+            memcpy(uv[k][i], mesh.uvs[k][smooth.source[i]], sizeof uv[k][i]);
+        mesh.uvs[k] = (const float(*)[2])uv[k];
+    }
     mesh.positions = split;
     mesh.normals = smooth.normal;
     mesh.vertex_count = smooth.vertex_count;
@@ -95,6 +106,8 @@ static rsv_status add_smoothed(
     rsv_send_mesh(r->to, &mesh);
 cleanup:
     rsv_free(r->context, split);
+    rsv_free(r->context, uv[0]);
+    rsv_free(r->context, uv[1]);
     rsv_smooth_mesh_release(r->context, &smooth);
     return status;
 }
@@ -107,6 +120,8 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
     rsv_assimp_name(&source->mName, "unnamed", name);
     rsv_vec3 *position = rsv_alloc(r->context, source->mNumVertices, sizeof *position);
     uint32_t *index = rsv_alloc(r->context, source->mNumFaces, 3 * sizeof *index);
+    float(*uv[2])[2] = { rsv_assimp_coordinates(r->context, source, 0),
+        rsv_assimp_coordinates(r->context, source, 1) };
     if (!position || !index) RSV_TRY(RSV_ERROR_MEMORY);
     if (source->mMaterialIndex >= r->file->mNumMaterials)
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': material %u does not exist", name,
@@ -117,6 +132,7 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
     rsv_mesh_desc mesh = { .name = name,
         .positions = position,
         .normals = (const rsv_vec3 *)source->mNormals,
+        .uvs = { (const float(*)[2])uv[0], (const float(*)[2])uv[1] },
         .vertex_count = source->mNumVertices,
         .indices = index,
         .triangle_count = triangles,
@@ -127,6 +143,8 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
         RSV_TRY(add_smoothed(r, mesh, position, source->mNumVertices));
     *id = r->mesh_count++;
 cleanup:
+    rsv_free(r->context, uv[0]);
+    rsv_free(r->context, uv[1]);
     rsv_free(r->context, position);
     rsv_free(r->context, index);
     return status;
@@ -143,14 +161,34 @@ cleanup:
     return status;
 }
 
-static void add_materials(const reader *r)
+/// These formats show both sides of a polygon; a lamp shines from its front, as everywhere here, and the surface of a body
+/// separates inside from outside.
+static bool shows_both_sides(const rsv_material *material)
 {
+    return rgb_is_black(material->emission) && material->thickness == 0;
+}
+
+static rsv_status add_materials(const reader *r)
+{
+    rsv_status status = RSV_OK;
+    rsv_assimp_textures textures = {
+        .context = r->context, .file = r->file, .kind = r->kind, .to = r->to
+    };
     for (unsigned i = 0; i < r->file->mNumMaterials; i++) {
         char name[RSV_NAME_BYTES];
         rsv_material material;
+        rsv_texture_ref ref[RSV_ASSIMP_MOST_TEXTURES];
         rsv_assimp_material(r->context, r->kind, r->file->mMaterials[i], name, &material);
+        RSV_TRY(rsv_assimp_take_textures(&textures, r->file->mMaterials[i], ref, &material));
+        material.double_sided = shows_both_sides(&material);
+        // as the exporter of glTF, those of Blender leave emission alone
+        if (r->facts.photometric && !r->facts.watts)
+            material.emission = rgb_scale(material.emission, (float)(1 / RSV_LUMENS_PER_WATT));
         rsv_send_material(r->to, &material);
     }
+cleanup:
+    rsv_assimp_textures_release(&textures);
+    return status;
 }
 
 // ---- lights and cameras ---------------------------------------------------------------------------
@@ -428,9 +466,10 @@ rsv_status rsv_assimp_convert(
     double unit = metres_per_unit(root);
     if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));
-    RSV_TRY(rsv_assimp_learn(context, path, kind, r.file, fabs(unit), &r.facts));
+    const rsv_assimp_reading reading = { path, kind, desc->light_units, fabs(unit) };
+    RSV_TRY(rsv_assimp_learn(context, &reading, r.file, &r.facts));
     RSV_TRY(allocate(&r));
-    add_materials(&r);
+    RSV_TRY(add_materials(&r));
     RSV_TRY(add_meshes(&r));
     if (r.lights.count + r.cameras.count) RSV_TRY(walk_nodes(&r, root, true));
     RSV_TRY(walk_nodes(&r, root, false));

@@ -15,7 +15,8 @@ struct rsv_animation {
     rsv_gltf_clip *clip; ///< [count]
     rsv_clip *shown;     ///< [count] for users
     size_t count;
-    bool is_part;
+    rsv_load_desc desc; ///< with a name of its own for the variant
+    char *variant;
     rsv_scene *rest; ///< as nodes and weights stand; NULL = not needed yet
 };
 
@@ -52,9 +53,10 @@ rsv_status rsv_animation_open(
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_animation *a = rsv_alloc(context, 1, sizeof *a);
     if (!a) return status;
-    *a = (rsv_animation){ .context = context, .is_part = desc && desc->is_part };
+    *a = (rsv_animation){ .context = context, .desc = desc ? *desc : rsv_default_load_desc() };
     a->path = rsv_copy_string(context, path);
-    RSV_TRY(a->path ? RSV_OK : RSV_ERROR_MEMORY);
+    if (a->desc.variant) a->desc.variant = a->variant = rsv_copy_string(context, desc->variant);
+    RSV_TRY(a->path && (a->variant || !a->desc.variant) ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(open_file(a, path));
     RSV_TRY(read_clips(a));
     *animation = a;
@@ -74,6 +76,7 @@ void rsv_animation_destroy(rsv_animation *a)
     rsv_scene_destroy(a->rest);
     rsv_gltf_close(a->document);
     rsv_free(a->context, a->path);
+    rsv_free(a->context, a->variant);
     rsv_free(a->context, a);
 }
 
@@ -98,10 +101,13 @@ static rsv_status build(
     rsv_status status;
     rsv_scene *scene = NULL;
     RSV_TRY(rsv_scene_create(a->context, &scene));
-    scene->is_part = a->is_part;
+    scene->is_part = a->desc.is_part;
     if (rest) RSV_TRY(rsv_scene_begin_moment(scene, rest));
-    RSV_TRY(rsv_gltf_fill(document, rest != NULL, scene));
-    if (rest) RSV_TRY(rsv_scene_end_moment(scene));
+    RSV_TRY(rsv_gltf_fill(document, &a->desc, rest != NULL, scene));
+    if (rest)
+        RSV_TRY(rsv_scene_end_moment(scene));
+    else
+        rsv_set_sides(&a->desc, scene);
     RSV_TRY(rsv_scene_commit(scene));
     *result = scene;
     return RSV_OK;

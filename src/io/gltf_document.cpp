@@ -116,6 +116,22 @@ rsv_gltf_target convert_target(const json &source)
         reference(source, "COLOR_0") };
 }
 
+/// Each variant that a primitive has a material for, the first one if it names several.
+void convert_variants(owned_document &document, const json &source, rsv_gltf_primitive &primitive)
+{
+    const json &mappings = list(extension(source, "KHR_materials_variants"), "mappings");
+    if (mappings.empty()) return;
+    document.variants.emplace_back();
+    std::vector<rsv_gltf_variant> &variants = document.variants.back();
+    for (const json &mapping : mappings)
+        for (const json &variant : list(mapping, "variants"))
+            if (is_whole(variant) && std::fabs(variant.get<double>()) <= INT32_MAX)
+                variants.push_back(
+                    { static_cast<int>(variant.get<double>()), reference(mapping, "material") });
+    primitive.variant = variants.data();
+    primitive.variant_count = variants.size();
+}
+
 rsv_gltf_primitive convert_primitive(owned_document &document, const json &source)
 {
     const json &attributes = member(source, "attributes");
@@ -148,6 +164,7 @@ rsv_gltf_primitive convert_primitive(owned_document &document, const json &sourc
     primitive.target_count = targets.size();
     primitive.influence = influences.data();
     primitive.influence_count = influences.size();
+    convert_variants(document, source, primitive);
     return primitive;
 }
 
@@ -359,8 +376,10 @@ void convert_textures(owned_document &document)
     const int nearest = 9728;
     const json &samplers = list(document.tree, "samplers");
     for (const json &source : list(document.tree, "textures")) {
-        rsv_gltf_texture texture{ reference(source, "source"), RSV_WRAP_REPEAT, RSV_WRAP_REPEAT,
-            false };
+        // a PNG or JPEG beside it is for those who read no WebP
+        const int plain = reference(source, "source");
+        rsv_gltf_texture texture{ reference(extension(source, "EXT_texture_webp"), "source", plain),
+            RSV_WRAP_REPEAT, RSV_WRAP_REPEAT, false };
         const size_t index = static_cast<size_t>(reference(source, "sampler"));
         if (index < samplers.size()) {
             texture.wrap_u = wrap_mode(reference(samplers[index], "wrapS"));
@@ -437,6 +456,7 @@ void convert_light(owned_document &document, const json &source)
     const std::string type = text(source, "type");
     const std::string owner = label(source, "light", document.lights.size());
     light.value.name = keep(document, text(source, "name"));
+    light.strength = intensity;
     light.known = light_kind(type, light.value.kind);
     if (!light.known)
         note(document, RSV_LOG_WARNING,
@@ -471,6 +491,12 @@ void convert_lights(owned_document &document)
     for (const json &source : lights)
         convert_light(document, source);
     note_ranges(document, lights);
+}
+
+void convert_variant_names(owned_document &document)
+{
+    for (const json &source : list(extension(document.tree, "KHR_materials_variants"), "variants"))
+        document.variant_names.push_back(keep(document, shown(text(source, "name"))));
 }
 
 // ---- animations -----------------------------------------------------------------------------------
@@ -546,11 +572,13 @@ void publish(owned_document &document)
     publish_array(document.lights, document.light, document.light_count);
     publish_array(document.roots, document.root, document.root_count);
     publish_array(document.notes, document.note, document.note_count);
+    publish_array(document.variant_names, document.variant, document.variant_count);
 }
 
 void convert(owned_document &document)
 {
     convert_buffers(document);
+    unpack_meshopt(document);
     convert_accessors(document);
     convert_meshes(document);
     convert_skins(document);
@@ -562,9 +590,11 @@ void convert(owned_document &document)
     convert_textures(document);
     convert_cameras(document);
     convert_lights(document);
+    convert_variant_names(document);
     convert_animations(document);
     find_unread(document);
     publish(document);
+    document.generator = keep(document, text(member(document.tree, "asset"), "generator"));
     document.tree = nullptr;
     document.text = document.json_text.data();
     document.text_bytes = document.json_text.size();

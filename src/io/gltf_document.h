@@ -80,6 +80,11 @@ typedef struct rsv_gltf_influence {
     int joints, weights;
 } rsv_gltf_influence;
 
+/// The material of a primitive in a variant.
+typedef struct rsv_gltf_variant {
+    int variant, material;
+} rsv_gltf_variant;
+
 typedef struct rsv_gltf_primitive {
     int position, normal, indices; ///< accessors
     int uv[2], tangent, color;     ///< accessors
@@ -88,6 +93,8 @@ typedef struct rsv_gltf_primitive {
     const rsv_gltf_target *target;       ///< [target_count] morph targets
     const rsv_gltf_influence *influence; ///< [influence_count]
     size_t target_count, influence_count;
+    const rsv_gltf_variant *variant; ///< [variant_count]
+    size_t variant_count;
 } rsv_gltf_primitive;
 
 typedef struct rsv_gltf_mesh {
@@ -127,6 +134,7 @@ typedef struct rsv_gltf_node {
 
 typedef struct rsv_gltf_light {
     rsv_punctual_light value; ///< kind, intensity, cone and name; placed by nodes
+    double strength;          ///< the number `intensity`, without the colour
     bool known;               ///< false = of a kind that is not in the format: left out
 } rsv_gltf_light;
 
@@ -221,6 +229,9 @@ typedef struct rsv_gltf_document {
         image_count, note_count;
     const char *text; ///< [text_bytes] the JSON as it stands in the file
     size_t text_bytes;
+    const char *const *variant; ///< [variant_count] names (KHR_materials_variants)
+    size_t variant_count;
+    const char *generator; ///< the program that wrote the file, in its own words; "" = it says none
 } rsv_gltf_document;
 
 /// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below. Bytes beyond a

@@ -157,6 +157,8 @@ struct owned_document : rsv_gltf_document {
     std::deque<std::vector<rsv_gltf_primitive>> primitives;
     std::deque<std::vector<rsv_gltf_target>> targets;
     std::deque<std::vector<int>> indices;
+    std::deque<std::vector<rsv_gltf_variant>> variants;
+    std::vector<const char *> variant_names;
     std::deque<std::vector<float>> weights;
     std::deque<std::vector<rsv_gltf_influence>> influences;
     std::vector<rsv_gltf_mesh> meshes;
@@ -188,6 +190,9 @@ void find_unread(owned_document &document);
 
 /// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.
 void unpack_draco(owned_document &document);
+
+/// Makes plain buffers of buffer views packed by EXT_meshopt_compression.
+void unpack_meshopt(owned_document &document);
 
 void convert_material(const json &source, owned_material &result);
 

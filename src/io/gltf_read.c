@@ -8,6 +8,7 @@
 #include "gltf_part.h"
 #include "gltf_skin.h"
 #include "gltf_texture.h"
+#include "light_units.h"
 #include "matrix.h"
 #include "scene_read.h"
 
@@ -30,6 +31,8 @@ typedef struct reader {
         *primitive_id; ///< scene mesh of each primitive as its mesh has it; RSV_NONE = not read
     bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
     uint32_t material_count, default_material;
+    rsv_light_scale scale;
+    int variant; ///< that is shown; -1 = the default
 } reader;
 
 static bool refers(int reference, size_t count)
@@ -46,6 +49,9 @@ static rsv_status add_materials(reader *r)
     r->material_count = (uint32_t)r->document->material_count;
     bool has_default = r->scene->material_count > r->material_count; // from the scene at rest
     r->default_material = has_default ? r->material_count : RSV_NONE;
+    for (size_t k = 0; k < r->scene->material_count && !r->is_moment; k++)
+        r->scene->material[k].emission =
+            rgb_scale(r->scene->material[k].emission, (float)r->scale.emission);
     return status;
 }
 
@@ -124,6 +130,14 @@ static void check_coordinates(
     }
 }
 
+/// The material of a primitive in the variant that is shown.
+static int material_of(const reader *r, const rsv_gltf_primitive *primitive)
+{
+    for (size_t k = 0; k < primitive->variant_count && r->variant >= 0; k++)
+        if (primitive->variant[k].variant == r->variant) return primitive->variant[k].material;
+    return primitive->material;
+}
+
 /// Adds a primitive to the scene, bent and morphed as one part shows it.
 static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
@@ -135,7 +149,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
     const rsv_gltf_primitive *primitive = &mesh->primitive[part->primitive];
     char label[LABEL_BYTES];
     name_primitive(mesh, part->primitive, label);
-    RSV_TRY(find_material(r, primitive->material, label, &material));
+    RSV_TRY(find_material(r, material_of(r, primitive), label, &material));
     RSV_TRY(rsv_gltf_read_geometry(
         r->context, r->document, primitive, rsv_gltf_weights_of(r->document, node), label, &g));
     if (part->skinned) {
@@ -143,7 +157,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
         RSV_TRY(find_joints(r, node->skin, &joints));
         RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
     }
-    check_coordinates(r, &g, primitive->material, label);
+    check_coordinates(r, &g, material_of(r, primitive), label);
     RSV_TRY(add_geometry(r, &g, label, material, id));
 cleanup:
     rsv_gltf_release_geometry(r->context, &g);
@@ -266,6 +280,13 @@ static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double 
     return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
+/// Numbers that are right already stay bit for bit.
+static rsv_rgb scaled(rsv_rgb value, double factor)
+{
+    return rgb((float)((double)value.r * factor), (float)((double)value.g * factor),
+        (float)((double)value.b * factor));
+}
+
 static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->light, r->document->light_count))
@@ -275,6 +296,8 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
+    light.intensity = scaled(
+        light.intensity, rsv_punctual_is_distant(&light) ? r->scale.distant : r->scale.local);
     if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
         return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
@@ -351,6 +374,7 @@ static void tell_notes(const reader *r)
     if (r->is_moment) return;
     for (size_t k = 0; k < r->document->note_count; k++)
         rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
+    if (r->scale.said) rsv_log(r->context, RSV_LOG_INFO, "%s", r->scale.said);
     name_groups(r);
 }
 
@@ -399,7 +423,35 @@ static rsv_status keep(const rsv_gltf_document *document, const char *path, rsv_
     return RSV_OK;
 }
 
-rsv_status rsv_gltf_fill(const rsv_gltf_document *document, bool is_moment, rsv_scene *scene)
+/// Names of variants for a message, as many as it holds.
+static void list_variants(const rsv_gltf_document *document, char text[512])
+{
+    *text = '\0';
+    for (size_t k = 0; k < document->variant_count; k++) {
+        size_t used = strlen(text);
+        snprintf(text + used, 512 - used, "%s'%s'", k ? ", " : "", document->variant[k]);
+    }
+}
+
+static rsv_status choose_variant(reader *r, const char *wanted)
+{
+    char names[512];
+    size_t count = r->document->variant_count;
+    list_variants(r->document, names);
+    r->variant = -1;
+    if (!wanted && count && !r->is_moment)
+        rsv_log(r->context, RSV_LOG_INFO,
+            "its materials have variants: %s; --variant NAME shows one of them", names);
+    if (!wanted) return RSV_OK;
+    for (size_t k = 0; k < count && r->variant < 0; k++)
+        if (strcmp(r->document->variant[k], wanted) == 0) r->variant = (int)k;
+    if (r->variant >= 0) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT, "it has no variant '%.200s'%s%s", wanted,
+        count ? "; there are " : ", nor any other", names);
+}
+
+rsv_status rsv_gltf_fill(
+    const rsv_gltf_document *document, const rsv_load_desc *desc, bool is_moment, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
@@ -408,6 +460,8 @@ rsv_status rsv_gltf_fill(const rsv_gltf_document *document, bool is_moment, rsv_
         .scene = scene,
         .is_moment = is_moment,
         .parts = { .context = context } };
+    RSV_TRY(choose_variant(&r, desc->variant));
+    r.scale = rsv_gltf_light_scale(document, desc->light_units);
     RSV_TRY(rsv_gltf_parts_create(context, document, &r.parts));
     RSV_TRY(allocate(&r));
     tell_notes(&r);
@@ -427,14 +481,14 @@ static void note_animations(rsv_context *context, size_t count)
             count > 1 ? "s are" : " is");
 }
 
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
 {
     rsv_status status;
     const rsv_gltf_document *document = NULL;
     RSV_TRY(rsv_gltf_open(path, &document));
     note_animations(rsv_scene_get_context(scene), document->animation_count);
-    RSV_TRY(rsv_gltf_fill(document, false, scene));
-    if (keep_document) RSV_TRY(keep(document, path, scene));
+    RSV_TRY(rsv_gltf_fill(document, desc, false, scene));
+    if (desc->keep_document && !desc->variant) RSV_TRY(keep(document, path, scene));
 cleanup:
     rsv_gltf_close(document);
     return status;

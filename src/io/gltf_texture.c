@@ -1,15 +1,18 @@
 #include "gltf_texture.h"
 
-#include "image_internal.h"
+#include "texture_image.h"
 
 /// Stands for a texture that was tried and cannot be used.
 #define UNUSABLE (RSV_NONE - 1)
+
+/// What the values of a texture are.
+enum { LINEAR, COLOR, EMISSION, USES };
 
 typedef struct texture_loader {
     rsv_context *context;
     const rsv_gltf_document *document;
     rsv_scene *scene;
-    uint32_t (*id)[2]; ///< [texture_count] in the scene, linear and sRGB; RSV_NONE = not tried yet
+    uint32_t (*id)[USES]; ///< [texture_count] in the scene, by use; RSV_NONE = not tried yet
 } texture_loader;
 
 /// The encoded bytes of an image. NULL, or what is wrong.
@@ -32,44 +35,29 @@ static const char *find_bytes(
     return NULL;
 }
 
-static rsv_status read_codes(
-    const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_codes *codes)
-{
-    rsv_image_file file;
-    const char *problem = find_bytes(document, image, &file);
-    if (problem)
-        return rsv_fail(RSV_ERROR_FORMAT, "cannot read image '%s': %s", image->name, problem);
-    return rsv_image_decode_codes(&file, codes);
-}
-
 static rsv_status add_texture(
-    texture_loader *loader, const rsv_gltf_texture *texture, bool srgb, uint32_t *id)
+    texture_loader *loader, const rsv_gltf_texture *texture, int use, uint32_t *id)
 {
     const rsv_gltf_document *document = loader->document;
     if ((size_t)texture->image >= document->image_count)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "it has no PNG or JPEG image (other formats need extensions that are not supported)");
+            "it has no PNG or JPEG image, and no WebP (other formats need extensions that are not "
+            "supported)");
     const rsv_gltf_image *image = &document->image[texture->image];
-    rsv_image_codes codes = { 0 };
-    rsv_status status = read_codes(document, image, &codes);
-    if (status != RSV_OK) return status;
-    rsv_texture_desc desc = { .name = image->name,
-        .width = codes.width,
-        .height = codes.height,
-        .channel_count = codes.channel_count,
-        .codes = codes.code,
-        .srgb = srgb,
+    rsv_texture_source source = { .srgb = use != LINEAR,
+        .shines = use == EMISSION,
         .wrap_u = texture->wrap_u,
         .wrap_v = texture->wrap_v,
         .nearest = texture->nearest };
-    status = rsv_scene_add_texture(loader->scene, &desc, id);
-    rsv_image_free_codes(&codes);
-    return status;
+    const char *problem = find_bytes(document, image, &source.file);
+    if (problem)
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot read image '%s': %s", image->name, problem);
+    return rsv_texture_load(loader->scene, &source, id);
 }
 
 /// The scene's id of a texture; UNUSABLE after a warning. Fails where memory runs out only.
 static rsv_status find_texture(
-    texture_loader *loader, int texture, bool srgb, const char *material, uint32_t *id)
+    texture_loader *loader, int texture, int use, const char *material, uint32_t *id)
 {
     if ((size_t)texture >= loader->document->texture_count) {
         *id = UNUSABLE;
@@ -78,9 +66,9 @@ static rsv_status find_texture(
             texture);
         return RSV_OK;
     }
-    uint32_t *known = &loader->id[texture][srgb];
+    uint32_t *known = &loader->id[texture][use];
     if (*known == RSV_NONE) {
-        rsv_status status = add_texture(loader, &loader->document->texture[texture], srgb, known);
+        rsv_status status = add_texture(loader, &loader->document->texture[texture], use, known);
         if (status == RSV_ERROR_MEMORY) return status;
         if (status != RSV_OK) {
             *known = UNUSABLE;
@@ -102,7 +90,8 @@ static rsv_status add_material(texture_loader *loader, const rsv_gltf_material *
     for (size_t i = 0; i < source->texture_count; i++) {
         const rsv_gltf_texture_ref *use = &source->texture[i];
         uint32_t id;
-        RSV_TRY(find_texture(loader, use->texture, use->srgb, material.name, &id));
+        int as = use->ref.role == RSV_TEXTURE_EMISSION ? EMISSION : use->srgb ? COLOR : LINEAR;
+        RSV_TRY(find_texture(loader, use->texture, as, material.name, &id));
         if (id == UNUSABLE) continue;
         ref[material.texture_count] = use->ref;
         ref[material.texture_count++].texture = id;
@@ -126,7 +115,8 @@ rsv_status rsv_gltf_add_materials(
     loader.id = rsv_alloc(context, document->texture_count, sizeof *loader.id);
     if (!loader.id) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < document->texture_count; i++)
-        loader.id[i][0] = loader.id[i][1] = RSV_NONE;
+        for (int use = 0; use < USES; use++)
+            loader.id[i][use] = RSV_NONE;
     for (size_t i = 0; i < document->material_count; i++)
         RSV_TRY(add_material(&loader, &document->material[i]));
 cleanup:

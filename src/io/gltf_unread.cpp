@@ -134,7 +134,11 @@ constexpr schema material = { "material", "materials", true, material_members,
     material_extensions };
 
 constexpr property texture_members[] = { { "name", 's' }, { "sampler", 'i' }, { "source", 'i' } };
-constexpr schema texture = { "texture", "textures", true, texture_members, {} };
+constexpr property webp_members[] = { { "source", 'i' } };
+constexpr schema webp = { "WebP texture", "WebP textures", false, webp_members, {} };
+
+constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp } };
+constexpr schema texture = { "texture", "textures", true, texture_members, texture_extensions };
 
 constexpr property image_members[] = { { "name", 's' }, { "uri", 's' }, { "mimeType", 's' },
     { "bufferView", 'i' } };
@@ -149,9 +153,17 @@ constexpr schema sampler = { "sampler", "samplers", true, sampler_members, {} };
 constexpr property packed_members[] = { { "bufferView", 'i' }, { "attributes", 'x' } };
 constexpr schema packed = { "packed mesh", "packed meshes", false, packed_members, {} };
 
+constexpr property mapping_members[] = { { "name", 's' }, { "material", 'i' },
+    { "variants", 'I' } };
+constexpr schema mapping = { "mapping", "mappings", false, mapping_members, {} };
+
+constexpr property mappings_members[] = { { "mappings", 'l', &mapping } };
+constexpr schema mappings = { "set of variants", "sets of variants", false, mappings_members, {} };
+
 constexpr property primitive_members[] = { { "attributes", 'a' }, { "indices", 'i' },
     { "material", 'i' }, { "mode", 'i' }, { "targets", 'A' } };
-constexpr property primitive_extensions[] = { { "KHR_draco_mesh_compression", 'o', &packed } };
+constexpr property primitive_extensions[] = { { "KHR_draco_mesh_compression", 'o', &packed },
+    { "KHR_materials_variants", 'o', &mappings } };
 constexpr schema primitive = { "primitive", "primitives", false, primitive_members,
     primitive_extensions };
 
@@ -174,10 +186,21 @@ constexpr schema accessor = { "accessor", "accessors", true, accessor_members, {
 
 constexpr property view_members[] = { { "name", 's' }, { "buffer", 'i' }, { "byteOffset", 'i' },
     { "byteLength", 'i' }, { "byteStride", 'i' }, { "target", 'i' } };
-constexpr schema view = { "buffer view", "buffer views", true, view_members, {} };
+constexpr property meshopt_members[] = { { "buffer", 'i' }, { "byteOffset", 'i' },
+    { "byteLength", 'i' }, { "byteStride", 'i' }, { "count", 'i' }, { "mode", 's' },
+    { "filter", 's' } };
+constexpr schema meshopt = { "packed buffer view", "packed buffer views", false, meshopt_members,
+    {} };
+
+constexpr property view_extensions[] = { { "EXT_meshopt_compression", 'o', &meshopt } };
+constexpr schema view = { "buffer view", "buffer views", true, view_members, view_extensions };
 
 constexpr property buffer_members[] = { { "name", 's' }, { "uri", 's' }, { "byteLength", 'i' } };
-constexpr schema buffer = { "buffer", "buffers", true, buffer_members, {} };
+constexpr property fallback_members[] = { { "fallback", 'b' } };
+constexpr schema fallback = { "fallback", "fallbacks", false, fallback_members, {} };
+
+constexpr property buffer_extensions[] = { { "EXT_meshopt_compression", 'o', &fallback } };
+constexpr schema buffer = { "buffer", "buffers", true, buffer_members, buffer_extensions };
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
@@ -189,7 +212,8 @@ constexpr property visibility_members[] = { { "visible", 'b' } };
 constexpr schema visibility = { "visibility", "visibilities", false, visibility_members, {} };
 
 constexpr property instancing_members[] = { { "attributes", 'a' } };
-constexpr schema instancing = { "set of instances", "sets of instances", false, instancing_members, {} };
+constexpr schema instancing = { "set of instances", "sets of instances", false, instancing_members,
+    {} };
 
 constexpr property node_members[] = { { "name", 's' }, { "camera", 'i' }, { "children", 'I' },
     { "skin", 'i' }, { "matrix", 'N' }, { "mesh", 'i' }, { "rotation", 'N' }, { "scale", 'N' },
@@ -253,7 +277,15 @@ constexpr property file_members[] = { { "asset", 'o', &asset }, { "scene", 'i' }
     { "materials", 'l', &material }, { "textures", 'l', &texture }, { "images", 'l', &image },
     { "samplers", 'l', &sampler }, { "cameras", 'l', &camera }, { "skins", 'l', &skin },
     { "animations", 'l', &animation }, { "extensionsUsed", 'S' }, { "extensionsRequired", 'S' } };
-constexpr property file_extensions[] = { { "KHR_lights_punctual", 'o', &lights } };
+constexpr property variant_members[] = { { "name", 's' } };
+constexpr schema variant = { "variant", "variants", true, variant_members, {} };
+
+constexpr property variants_members[] = { { "variants", 'l', &variant } };
+constexpr schema variants = { "list of variants", "lists of variants", false, variants_members,
+    {} };
+
+constexpr property file_extensions[] = { { "KHR_materials_variants", 'o', &variants },
+    { "KHR_lights_punctual", 'o', &lights } };
 constexpr schema file = { "file", "files", false, file_members, file_extensions };
 
 // ---- finding --------------------------------------------------------------------------------------
@@ -450,7 +482,8 @@ void finder::check_list(const json &root)
 {
     static const char *const without_objects[] = { "KHR_mesh_quantization" };
     std::set<std::string> known(std::begin(without_objects), std::end(without_objects));
-    for (const schema *kind : { &texture_use, &material, &primitive, &node, &file })
+    for (const schema *kind :
+        { &texture_use, &texture, &material, &view, &primitive, &node, &file })
         for (size_t k = 0; k < kind->extensions.count; k++)
             known.insert(kind->extensions.first[k].name);
     for (const json &entry : list(root, "extensionsUsed"))
@@ -468,8 +501,7 @@ bool is_harmless(const finding &found)
 {
     if (found.what == sort::attribute) return true;
     return found.what == sort::extension &&
-           (found.name == "KHR_materials_variants" || found.name == "KHR_xmp" ||
-               found.name == "KHR_xmp_json_ld");
+           (found.name == "KHR_xmp" || found.name == "KHR_xmp_json_ld");
 }
 
 std::string describe(const finding &found)
@@ -478,9 +510,7 @@ std::string describe(const finding &found)
     const std::string name = "'" + shown(found.name) + "'";
     switch (found.what) {
     case sort::extension:
-        text = found.name == "KHR_materials_variants"
-                   ? "extension " + name + ": only the default variant is shown: "
-                   : "extension " + name + " is ignored: ";
+        text = "extension " + name + " is ignored: ";
         break;
     case sort::property:
         text = "property " + name + " is ignored: ";

@@ -1,4 +1,5 @@
 #include "image_internal.h"
+#include "texture_image.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -18,6 +19,7 @@ static const image_format formats[] = {
     { ".png", rsv_image_decode_ldr, rsv_image_encode_png },
     { ".jpg", rsv_image_decode_ldr, NULL },
     { ".jpeg", rsv_image_decode_ldr, NULL },
+    { ".webp", rsv_image_decode_webp_picture, NULL },
 };
 
 static const image_format *find_format(const char *path)
@@ -36,6 +38,8 @@ static const image_format *format_of_content(const uint8_t *bytes, size_t size)
         const char *start, *extension;
     } known[] = { { "\x76\x2f\x31\x01", ".exr" }, { "#?", ".hdr" }, { "\x89PNG", ".png" },
         { "\xff\xd8\xff", ".jpg" } };
+    const rsv_image_file file = { .bytes = bytes, .size = size };
+    if (rsv_image_is_webp(&file)) return find_format(".webp");
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         size_t length = strlen(known[i].start);
         if (size >= length && memcmp(bytes, known[i].start, length) == 0)
@@ -87,7 +91,16 @@ cleanup:
 static rsv_status fail_unknown(const char *path)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
+        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png, .jpg or .webp", path);
+}
+
+rsv_status rsv_image_file_read(rsv_context *context, const char *path, rsv_image_file *file)
+{
+    uint8_t *bytes = NULL;
+    *file = (rsv_image_file){ .path = path };
+    rsv_status status = read_bytes(context, path, &bytes, &file->size);
+    file->bytes = bytes;
+    return status;
 }
 
 rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image)

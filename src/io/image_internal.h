@@ -55,8 +55,9 @@ rsv_status rsv_image_check_jpeg(const rsv_image_file *file);
 /// 2 GiB, before it reads it. Files of other formats pass.
 rsv_status rsv_image_check_png(const rsv_image_file *file);
 
-/// Whether a PNG file says that its codes are not those of sRGB, by a gAMA chunk of another gamma.
-bool rsv_image_png_gamma_is_foreign(const rsv_image_file *file);
+/// By what a PNG file says that its codes are not those of sRGB, as messages call it; NULL = they are, or it is no PNG.
+/// @param frames out: whether it holds more pictures than the one that is read
+const char *rsv_image_png_unused(const rsv_image_file *file, bool *frames);
 
 // Encoders: append to an open file, which the caller commits or discards. `exposure` is in stops
 // and ignored by formats that hold radiance.

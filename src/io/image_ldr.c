@@ -4,6 +4,7 @@
 #include "image_codes.h"
 #include "image_internal.h"
 #include "resolvent/scene.h"
+#include "texture_image.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -125,6 +126,19 @@ static rsv_status check_pixel_count(const rsv_image_file *file, int width, int h
         file->size);
 }
 
+static void warn_of_unused(rsv_context *context, const rsv_image_file *file)
+{
+    bool frames;
+    const char *colors = rsv_image_png_unused(file, &frames);
+    if (colors)
+        rsv_log(context, RSV_LOG_WARNING,
+            "picture '%s': not used: its %s; its codes are taken for those of sRGB", file->path,
+            colors);
+    if (frames)
+        rsv_log(context, RSV_LOG_WARNING, "picture '%s': only the first of its frames is used",
+            file->path);
+}
+
 rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
 {
     rsv_status status = RSV_OK;
@@ -138,10 +152,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
     RSV_TRY(check_pixel_count(file, width, height));
-    if (rsv_image_png_gamma_is_foreign(file))
-        rsv_log(context, RSV_LOG_WARNING,
-            "picture '%s': its gamma (gAMA) is not used; its codes are taken for those of sRGB",
-            file->path);
+    warn_of_unused(context, file);
     bool is_16_bit = stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
     codes = is_16_bit ? (void *)stbi_load_16_from_callbacks(
                             &source_callbacks, &from, &width, &height, &channels, 3)
@@ -165,16 +176,49 @@ static rsv_status check_texture_size(const rsv_image_file *file, int width, int 
     return check_pixel_count(file, width, height);
 }
 
-rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes)
+/// Refuses what must not be decoded.
+static rsv_status check_texture_file(const rsv_image_file *file)
 {
-    rsv_status status = RSV_OK;
-    source info = { .file = file }, from = { .file = file };
+    rsv_status status;
+    source info = { .file = file };
     int width = 0, height = 0, channels;
     RSV_TRY(rsv_image_check_jpeg(file));
     RSV_TRY(rsv_image_check_png(file));
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(check_texture_size(file, width, height));
+cleanup:
+    return status;
+}
+
+bool rsv_image_is_16_bit(const rsv_image_file *file)
+{
+    source depth = { .file = file };
+    return stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
+}
+
+rsv_status rsv_image_decode_codes16(
+    const rsv_image_file *file, uint16_t **code, rsv_image_codes *size)
+{
+    rsv_status status;
+    source from = { .file = file };
+    int width = 0, height = 0, channels;
+    RSV_TRY(check_texture_file(file));
+    *code = stbi_load_16_from_callbacks(&source_callbacks, &from, &width, &height, &channels, 0);
+    if (!*code || from.exhausted) RSV_TRY(fail_decoding(&from));
+    *size = (rsv_image_codes){ NULL, (uint32_t)width, (uint32_t)height, (uint32_t)channels };
+cleanup:
+    return status;
+}
+
+void rsv_image_free_codes16(uint16_t *code) { stbi_image_free(code); }
+
+rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes)
+{
+    rsv_status status = RSV_OK;
+    source from = { .file = file };
+    int width = 0, height = 0, channels;
+    RSV_TRY(check_texture_file(file));
     codes->code = stbi_load_from_callbacks(&source_callbacks, &from, &width, &height, &channels, 0);
     if (!codes->code || from.exhausted) RSV_TRY(fail_decoding(&from));
     codes->width = (uint32_t)width;

@@ -30,23 +30,58 @@ rsv_status rsv_image_check_png(const rsv_image_file *file)
     return RSV_OK;
 }
 
-bool rsv_image_png_gamma_is_foreign(const rsv_image_file *file)
+/// What chunks say of colours and frames.
+typedef struct png_claims {
+    bool srgb;       ///< sRGB, or a profile of that name
+    bool profile;    ///< iCCP of another name
+    bool code_point; ///< cICP of other colours
+    bool coded;      ///< cICP, which counts before all others
+    bool gamma, primaries;
+    bool frames;
+} png_claims;
+
+/// Numbers are times 100,000; gamma 45,455 is sRGB's, about. @param data [length]
+static void note_chunk(png_claims *claims, const uint8_t *name, const uint8_t *data, size_t length)
+{
+    static const size_t srgb[8] = { 31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000 };
+    if (memcmp(name, "sRGB", 4) == 0) claims->srgb = true;
+    if (memcmp(name, "acTL", 4) == 0 && length >= 4) claims->frames = big_endian(data) > 1;
+    if (memcmp(name, "gAMA", 4) == 0 && length == 4)
+        claims->gamma = big_endian(data) < 40000 || big_endian(data) > 50000;
+    for (int k = 0; k < 8 && memcmp(name, "cHRM", 4) == 0 && length == 32; k++) {
+        size_t value = big_endian(data + 4 * k);
+        claims->primaries |= value + 1000 < srgb[k] || value > srgb[k] + 1000;
+    }
+    if (memcmp(name, "iCCP", 4) == 0) {
+        char profile[80] = { 0 };
+        memcpy(profile, data, length < 79 ? length : 79);
+        *(strstr(profile, "sRGB") ? &claims->srgb : &claims->profile) = true;
+    }
+    if (memcmp(name, "cICP", 4) == 0 && length == 4) {
+        claims->coded = true;
+        claims->code_point = data[0] != 1 || data[1] != 13; // BT.709 and sRGB
+    }
+}
+
+const char *rsv_image_png_unused(const rsv_image_file *file, bool *frames)
 {
     const size_t around = 4 + 4 + 4; // length, name and check sum
+    png_claims claims = { 0 };
+    *frames = false;
     if (file->size < sizeof signature || memcmp(file->bytes, signature, sizeof signature) != 0)
-        return false;
-    bool foreign = false;
+        return NULL;
     for (size_t at = sizeof signature; file->size - at >= around;) {
         const uint8_t *chunk = file->bytes + at;
         size_t length = big_endian(chunk);
-        if (length > file->size - at - around) return foreign;
-        if (memcmp(chunk + 4, "sRGB", 4) == 0 || memcmp(chunk + 4, "iCCP", 4) == 0) return false;
-        if (memcmp(chunk + 4, "IDAT", 4) == 0) return foreign;
-        if (memcmp(chunk + 4, "gAMA", 4) == 0 && length == 4) {
-            size_t gamma = big_endian(chunk + 8); // times 100,000; 45,455 is sRGB's, about
-            foreign = gamma < 40000 || gamma > 50000;
-        }
+        if (length > file->size - at - around || memcmp(chunk + 4, "IDAT", 4) == 0) break;
+        note_chunk(&claims, chunk + 4, chunk + 8, length);
         at += around + length;
     }
-    return foreign;
+    *frames = claims.frames;
+    if (claims.coded) return claims.code_point ? "colour space (cICP)" : NULL;
+    if (claims.profile) return "colour profile (iCCP)";
+    if (claims.srgb) return NULL;
+    if (claims.primaries)
+        return claims.gamma ? "gamma and primaries (gAMA, cHRM)" : "primaries (cHRM)";
+    return claims.gamma ? "gamma (gAMA)" : NULL;
 }

@@ -121,9 +121,19 @@ static bool starts_with(const char *line, const char *word)
     return strncmp(line, word, strlen(word)) == 0;
 }
 
+/// Programs for scans name pictures in comments.
+static void note_remark(rsv_ply_header *header, const char *line)
+{
+    if (strncasecmp(line, "comment texture", strlen("comment texture")) == 0)
+        note_unused(header, line + strlen("comment "));
+}
+
 static bool read_line(rsv_ply_header *header, const char *line, bool *has_format)
 {
-    if (starts_with(line, "comment") || starts_with(line, "obj_info") || !*line) return true;
+    if (starts_with(line, "comment") || starts_with(line, "obj_info") || !*line) {
+        note_remark(header, line);
+        return true;
+    }
     if (starts_with(line, "format ")) return read_format(header, line, has_format);
     if (starts_with(line, "element ")) return *has_format && begin_element(header, line);
     return starts_with(line, "property ") && *has_format && read_property(header, line);

@@ -279,8 +279,8 @@ static void warn_of_losses(const ply_reader *r, const char *path)
            isspace((unsigned char)r->end[-(ptrdiff_t)rest]);)
         rest--;
     if (*r->header.unused)
-        rsv_log(r->context, RSV_LOG_WARNING, "%s: properties and elements that are not used: %s",
-            path, r->header.unused);
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "%s: properties, elements and comments that are not used: %s", path, r->header.unused);
     if (r->flat)
         rsv_log(r->context, RSV_LOG_WARNING, "%s: not used: %zu faces of fewer than three corners",
             path, r->flat);

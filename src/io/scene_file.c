@@ -76,7 +76,20 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     if (!(desc->crease_angle >= 0))
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "a crease angle of %g is not possible", (double)desc->crease_angle);
+    if ((unsigned)desc->light_units > RSV_LIGHT_UNITS_PHOTOMETRIC)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "units of light %d do not exist", (int)desc->light_units);
     return RSV_OK;
+}
+
+void rsv_set_sides(const rsv_load_desc *desc, rsv_scene *scene)
+{
+    for (size_t k = 0; k < scene->material_count; k++) {
+        rsv_material *m = &scene->material[k];
+        bool shines = m->emission.r + m->emission.g + m->emission.b > 0;
+        if (m->transmission == 0 && (shines ? desc->emit_both : desc->two_sided))
+            m->double_sided = true;
+    }
 }
 
 rsv_status rsv_name_file(rsv_status status, const char *path)
@@ -98,14 +111,18 @@ rsv_status rsv_scene_load_with(
     RSV_TRY(rsv_find_file_kind(path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
+    if (desc->variant && kind != RSV_FILE_GLTF)
+        RSV_TRY(rsv_fail(
+            RSV_ERROR_ARGUMENT, "has no variant '%.200s': only glTF has variants", desc->variant));
     if (kind == RSV_FILE_GLTF)
-        RSV_TRY(rsv_gltf_read(path, desc->keep_document, loaded));
+        RSV_TRY(rsv_gltf_read(path, desc, loaded));
     else if (kind == RSV_FILE_PLY)
         RSV_TRY(rsv_ply_read(path, desc, loaded));
     else if (kind == RSV_FILE_STL)
         RSV_TRY(rsv_stl_read(path, desc, loaded));
     else
         RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
+    rsv_set_sides(desc, loaded);
     RSV_TRY(rsv_scene_commit(loaded));
     *scene = loaded;
     return RSV_OK;

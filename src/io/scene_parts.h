@@ -9,16 +9,31 @@
 
 /// The caller looks at ferror(to) at the end.
 void rsv_send_log(FILE *to, rsv_log_level level, const char *message);
-/// Without textures.
+#define RSV_PART_PATH_BYTES 1024
+
+/// A texture on its way.
+typedef struct rsv_part_texture {
+    const char *name;     ///< of its file, as the scene's file has it
+    const uint8_t *bytes; ///< [size] the file itself; NULL = it lies where its name says
+    size_t size;
+    bool srgb, shines, grey_is_alpha; ///< as in rsv_texture_source
+    rsv_wrap wrap_u, wrap_v;
+} rsv_part_texture;
+
+/// Textures count from 0.
+void rsv_send_texture(FILE *to, const rsv_part_texture *texture);
+/// Its textures are those sent before.
 void rsv_send_material(FILE *to, const rsv_material *material);
-/// Without texture coordinates, tangents and colours.
+/// Without tangents and colours.
 void rsv_send_mesh(FILE *to, const rsv_mesh_desc *mesh);
 void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], const char *name);
 void rsv_send_light(FILE *to, const rsv_punctual_light *light);
 void rsv_send_camera(FILE *to, const rsv_camera *camera);
 
 /// Adds all parts to a scene that has none, and logs what was logged. RSV_ERROR_FORMAT if the bytes are no whole number of
-/// records, or as the scene refuses them. @param bytes [count], aligned to 4
-rsv_status rsv_receive_parts(const uint8_t *bytes, size_t count, rsv_scene *scene);
+/// records, or as the scene refuses them. Textures that cannot be read are named in a warning, and left out of their materials.
+/// @param bytes [count], aligned to 4 @param path of the scene's file: textures are looked for beside it
+rsv_status rsv_receive_parts(
+    const uint8_t *bytes, size_t count, const char *path, rsv_scene *scene);
 
 #endif

@@ -22,11 +22,15 @@ rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind);
 /// Puts the file's name in front of the error message. @return `status`
 rsv_status rsv_name_file(rsv_status status, const char *path);
 
-/// Fills a scene with what a document shows. @param is_moment the scene has its materials, and messages were given before
-rsv_status rsv_gltf_fill(const rsv_gltf_document *document, bool is_moment, rsv_scene *scene);
+/// Sides as the caller wants them, before commit. Bodies that let light through have an inside, and stay as they are.
+void rsv_set_sides(const rsv_load_desc *desc, rsv_scene *scene);
 
-/// glTF 2.0. @param keep_document whether the scene is to keep the file
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene);
+/// Fills a scene with what a document shows. @param is_moment the scene has its materials, and messages were given before
+rsv_status rsv_gltf_fill(
+    const rsv_gltf_document *document, const rsv_load_desc *desc, bool is_moment, rsv_scene *scene);
+
+/// glTF 2.0.
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);
 
 /// Stanford polygons, text and binary.
 rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);

@@ -134,6 +134,8 @@ static rsv_status read_binary(stl_reader *r)
         }
         colored += record[RECORD_BYTES - 2] || record[RECORD_BYTES - 1];
     }
+    if (memmem(r->bytes, TABLE_START, "COLOR=", 6))
+        rsv_log(r->context, RSV_LOG_WARNING, "%s: the colour in its header is not used", r->path);
     if (colored)
         rsv_log(r->context, RSV_LOG_WARNING,
             "%s: the attributes (colours) of %zu of its triangles are not used", r->path, colored);

@@ -195,6 +195,19 @@ cleanup:
     return rsv_team_meet(context, status);
 }
 
+rsv_status rsv_operator_scene_name(rsv_context *context, const char *path, char *name, size_t bytes)
+{
+    rsv_tensor_file file;
+    rsv_status status = rsv_tensor_file_open(context, path, &file);
+    if (status != RSV_OK) return status;
+    RSV_TRY(check_provenance(&file));
+    const char *scene = rsv_note_get(&file, "scene");
+    snprintf(name, bytes, "%s", scene ? scene : "unnamed");
+cleanup:
+    rsv_tensor_file_end(&file);
+    return status;
+}
+
 bool rsv_is_operator_file(const char *path)
 {
     uint8_t start[9];

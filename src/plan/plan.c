@@ -123,7 +123,8 @@ static void choose_elements(rsv_planner *p)
     p->solve.goal_camera = RSV_NONE;
     if (p->wanted >= DEMANDING) return;
     p->solve.refinements = REFINEMENTS;
-    if (!p->picture.viewpoint) p->solve.goal_camera = p->picture.camera;
+    if (!p->picture.viewpoint && p->picture.film.projection == RSV_PROJECTION_CAMERA)
+        p->solve.goal_camera = p->picture.camera;
 }
 
 static void choose_finer(rsv_planner *p)
@@ -135,7 +136,8 @@ static void choose_finer(rsv_planner *p)
     p->solve.photon_count = (uint32_t)fmin(2.0 * p->solve.photon_count, MOST_PHOTONS);
     p->solve.contact_share = fminf(2 * p->solve.contact_share, 1);
     if (p->plan.rounds > 1) p->solve.refinements = REFINEMENTS;
-    if (!p->picture.viewpoint) p->solve.goal_camera = p->picture.camera;
+    if (!p->picture.viewpoint && p->picture.film.projection == RSV_PROJECTION_CAMERA)
+        p->solve.goal_camera = p->picture.camera;
 }
 
 /// Two passes tell the noise.

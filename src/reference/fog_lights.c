@@ -177,13 +177,13 @@ bool rsv_fog_sample_emitter(
     const rsv_fog_choice *choice, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
 {
     const rsv_lights *lights = choice->lights->lights;
-    rsv_local_lights local;
-    local.lights = lights;
+    rsv_local_lights local = { .lights = lights };
     local.point = choice->point;
     if (!rsv_sample_emitter(&local, entry, 1, u1, u2, sample) || !(sample->pdf_solid_angle > 0))
         return false;
     if (lights->emitter[sample->emitter].varies)
-        sample->radiance = rsv_emitter_radiance(lights, sample->emitter, sample->u, sample->v);
+        sample->radiance =
+            rsv_emitter_radiance(lights, sample->emitter, sample->back, sample->u, sample->v);
     return isfinite(sample->pdf_solid_angle);
 }
 

@@ -139,7 +139,7 @@ static void gather_distant(rsv_light_path *path, const rsv_fog_vertex *v, float 
 
 // ---- the third technique ------------------------------------------------------------------------
 
-/// A place on the light, as it is drawn for a whole segment. @param sample radiance of an emitter
+/// A place on the light, as it is drawn for a whole segment. @param sample place on an emitter
 static rsv_vec3 draw_place(
     const rsv_fog_lights *l, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
 {
@@ -148,11 +148,9 @@ static rsv_vec3 draw_place(
     if (punctual) return punctual->position;
     sample->emitter = l->lights->sampled[entry];
     const rsv_emitter *emitter = &l->lights->emitter[sample->emitter];
-    float u, v;
-    rsv_square_to_triangle(u1, u2, &u, &v);
-    sample->radiance = emitter->varies ? rsv_emitter_radiance(l->lights, sample->emitter, u, v)
-                                       : emitter->radiance;
-    return v3_barycentric(emitter->corner[0], emitter->corner[1], emitter->corner[2], u, v);
+    rsv_square_to_triangle(u1, u2, &sample->u, &sample->v);
+    return v3_barycentric(
+        emitter->corner[0], emitter->corner[1], emitter->corner[2], sample->u, sample->v);
 }
 
 /// Sets what arrives at the vertex from the light's place. False if nothing does.
@@ -167,7 +165,10 @@ static bool set_arrival(
     sample->distance = v3_length(way);
     if (!(sample->distance > 0)) return false;
     sample->direction = v3_scale(way, 1 / sample->distance);
-    return rsv_emitter_faces(&l->lights->emitter[sample->emitter], v->point);
+    const rsv_emitter *emitter = &l->lights->emitter[sample->emitter];
+    bool back = v3_dot(emitter->normal, way) > 0;
+    sample->radiance = rsv_emitter_radiance(l->lights, sample->emitter, back, sample->u, sample->v);
+    return rsv_emitter_faces(emitter, v->point);
 }
 
 /// Light of one source that is scattered anywhere on the segment.

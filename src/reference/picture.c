@@ -1,9 +1,12 @@
 #include "../core/team.h"
-#include "../trace/camera_ray.h"
+#include "../trace/backs.h"
+#include "../trace/film.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
 
 static const char phase[] = "reference";
+
+#define APERTURE 0x3c6ef372u ///< of random numbers
 
 static const char *const order_name[RSV_PATH_ORDERS] = { "emission", "direct", "bounce1", "bounce2",
     "bounce3", "bounce4", "bounce5", "bounce6", "bounce7+" };
@@ -25,6 +28,7 @@ typedef struct row_statistics {
 typedef struct picture_job {
     const rsv_path_tracer *tracer;
     const rsv_camera *camera;
+    rsv_film film;
     rsv_medium medium; ///< the camera's
     const rsv_render_desc *desc;
     rsv_image *image;
@@ -87,13 +91,14 @@ static void render_pixel(const picture_job *picture, uint32_t x, uint32_t y, row
     uint32_t stream = rsv_hash3(x, y, desc->seed);
     pixel_sum sum = { 0 };
     for (uint32_t i = 0; i < desc->samples; i++) {
-        float dx, dy;
+        float dx, dy, uv[2] = { 0.5f, 0.5f };
+        rsv_ray ray;
+        rsv_path_light light = { 0 };
         rsv_sobol_2d(i, stream, &dx, &dy);
-        rsv_ray ray = rsv_camera_ray(
-            picture->camera, desc->width, desc->height, (float)x + dx, (float)y + dy);
-        rsv_path_light light;
-        rsv_trace_camera_path(
-            picture->tracer, &ray, &picture->medium, (rsv_path_id){ i, stream }, &light);
+        if (picture->film.radius > 0) rsv_sobol_2d(i, rsv_hash2(stream, APERTURE), &uv[0], &uv[1]);
+        if (rsv_film_ray(&picture->film, (float)x + dx, (float)y + dy, uv, &ray))
+            rsv_trace_camera_path(
+                picture->tracer, &ray, &picture->medium, (rsv_path_id){ i, stream }, &light);
         if (!add_sample(&sum, &light)) row->rejected++;
     }
     store_pixel(picture, (size_t)y * desc->width + x, &sum);
@@ -167,7 +172,8 @@ static rsv_status check_desc(const rsv_scene_view *scene, const rsv_render_desc 
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "reference: camera %u does not exist; the scene has %zu", desc->camera,
             scene->camera_count);
-    return RSV_OK;
+    return rsv_film_check(
+        &desc->film, desc->viewpoint ? desc->viewpoint : &scene->camera[desc->camera]);
 }
 
 static rsv_status name_layers(rsv_image *image)
@@ -194,8 +200,11 @@ rsv_status rsv_render_reference(
     RSV_TRY(rsv_path_tracer_create(scene, &tracer));
     picture.tracer = tracer;
     picture.camera = desc->viewpoint ? desc->viewpoint : &view->camera[desc->camera];
+    picture.film =
+        rsv_film_of(tracer->tracer, &desc->film, picture.camera, desc->width, desc->height);
     picture.medium =
         rsv_medium_above(&tracer->media, picture.camera->position, picture.camera->forward);
+    rsv_warn_of_backs(tracer->tracer, picture.camera);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(render_rows(&picture));

@@ -1,5 +1,6 @@
 /// Modes operator and final: camera paths, then the solved light.
 #include "../core/team.h"
+#include "../trace/backs.h"
 #include "picture_row.h"
 #include "picture_series.h"
 #include "shot_light.h"
@@ -116,7 +117,8 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
             desc->camera, solution->scene.view->camera_count);
     if (desc->mode == RSV_RENDER_REFERENCE)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: use rsv_render_reference for mode reference");
-    return RSV_OK;
+    return rsv_film_check(&desc->film,
+        desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera]);
 }
 
 static void begin_job(
@@ -124,12 +126,14 @@ static void begin_job(
 {
     *job = (rsv_picture_job){ .solution = solution,
         .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera] };
-    job->spread = rsv_camera_spread(job->camera, desc->height);
+    job->film = rsv_film_of(solution->tracer, &desc->film, job->camera, desc->width, desc->height);
+    job->spread = rsv_film_spread(&job->film);
     job->medium =
         rsv_medium_above(&solution->scene.media, job->camera->position, job->camera->forward);
     if (solution->lights->environment) job->sky = solution->lights->environment->whole;
     job->setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->path_depth,
-        !desc->shared_pattern && rsv_shot_light_wanted(solution) };
+        !desc->shared_pattern && rsv_film_is_plain(&desc->film) &&
+            rsv_shot_light_wanted(solution) };
 }
 
 rsv_status rsv_picture_series_create(
@@ -143,6 +147,7 @@ rsv_status rsv_picture_series_create(
     *s = (rsv_picture_series){ 0 };
     rsv_picture_job *job = &s->job;
     begin_job(solution, desc, job);
+    rsv_warn_of_backs(solution->tracer, job->camera);
     if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &s->visibility));
     job->setting.visibility = s->visibility;
     if (job->setting.shot)

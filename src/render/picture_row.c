@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define LANES RSV_PACKET_WIDTH
+#define APERTURE 0x3c6ef372u ///< of random numbers
 
 /// Camera rays that this pass sends through a pixel.
 static uint32_t samples_of(const rsv_picture_row *r, uint32_t column)
@@ -27,13 +28,17 @@ static void aim(rsv_picture_row *r, uint32_t column, uint32_t sample, uint32_t s
 {
     const rsv_render_desc *desc = r->job->desc;
     rsv_picture_batch *batch = &r->batch;
-    float x, y;
+    float x, y, uv[2] = { 0.5f, 0.5f };
+    uint32_t seed = rsv_hash3(r->job->seed, r->row, column);
+    if (r->job->film.radius > 0)
+        rsv_stratified_2d(sample, samples, rsv_hash2(seed, APERTURE), &uv[0], &uv[1]);
     if (desc->shared_pattern)
         rsv_shared_place(sample, &x, &y);
     else
-        rsv_stratified_2d(sample, samples, rsv_hash3(r->job->seed, r->row, column), &x, &y);
-    rsv_ray ray = rsv_camera_ray(
-        r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
+        rsv_stratified_2d(sample, samples, seed, &x, &y);
+    rsv_ray ray;
+    bool sees = rsv_film_ray(&r->job->film, (float)column + x, (float)r->row + y, uv, &ray);
+    if (!sees) ray.t_max = -1; // traced by nobody
     uint32_t k = batch->count++;
     batch->column[k] = column;
     batch->sample[k] = sample;
@@ -53,6 +58,7 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
     const rsv_picture_job *job = r->job;
     const rsv_ray_packet *packet = &r->batch.packet;
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    if (packet->t_max[k] < 0) return; // the film sees nothing there
     if (packet->triangle[k] == RSV_NONE) {
         rsv_picture_add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
         return;

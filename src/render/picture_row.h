@@ -3,7 +3,7 @@
 #define RSV_PICTURE_ROW_H
 
 #include "../solve/light.h"
-#include "../trace/camera_ray.h"
+#include "../trace/film.h"
 #include "camera_path.h"
 #include "pixel_direct.h"
 #include "pixel_noise.h"
@@ -17,6 +17,7 @@ typedef struct rsv_picture_job {
     const rsv_light_view *solution;
     const rsv_render_desc *desc;
     const rsv_camera *camera;
+    rsv_film film;
     rsv_medium medium; ///< the camera's
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included

@@ -83,12 +83,12 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
     };
 }
 
-void rsv_scene_update_bounds(rsv_scene *scene)
+rsv_status rsv_scene_update_bounds(rsv_scene *scene)
 {
     bounding_box bounds = find_bounds(scene);
     scene->view.bounds_min = bounds.low;
     scene->view.bounds_max = bounds.high;
-    rsv_scene_move_twins(scene);
+    return rsv_scene_move_twins(scene);
 }
 
 /// Finds out which materials are not the same all over: textured ones, and those on coloured vertices.

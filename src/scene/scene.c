@@ -192,6 +192,13 @@ cleanup:
     return status;
 }
 
+rsv_texture_info rsv_scene_texture_info(const rsv_scene *scene, uint32_t texture)
+{
+    if (texture >= scene->texture_count) return (rsv_texture_info){ 0 };
+    const rsv_texture *t = &scene->texture[texture];
+    return (rsv_texture_info){ t->name, t->level[0].width, t->level[0].height, t->channel_count };
+}
+
 static const rsv_texture_ref *find_role(const rsv_material *material, rsv_texture_role role)
 {
     for (size_t i = 0; i < material->texture_count; i++)

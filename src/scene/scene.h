@@ -150,14 +150,14 @@ rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_punctual_light *li
 /// them is to be seen, and puts them into the view. Then warns of lamps that something opaque is closed around: the search
 /// for both is in the same tree.
 rsv_status rsv_scene_find_twins(rsv_scene *scene);
-/// After vertices were moved. Faces that came together only now are not found.
-void rsv_scene_move_twins(rsv_scene *scene);
+/// After vertices of a variant were moved: finds what came into one place, too. Who hides lamps is not found anew.
+rsv_status rsv_scene_move_twins(rsv_scene *scene);
 /// Gives a variant boxes of its own around faces that lie in the same place, for vertices of its own.
 rsv_status rsv_scene_copy_twins(rsv_scene *variant);
 void rsv_scene_release_twins(rsv_scene *scene);
 
 /// Finds the bounds of a committed scene again, after vertices were moved.
-void rsv_scene_update_bounds(rsv_scene *scene);
+rsv_status rsv_scene_update_bounds(rsv_scene *scene);
 
 /// A camera that shows the whole sphere from the front and a little above.
 rsv_camera rsv_camera_frame_sphere(const char *name, rsv_vec3 centre, float radius);

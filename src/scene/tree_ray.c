@@ -30,36 +30,79 @@ static bool meets(const rsv_tree_ray *r, uint32_t triangle, rsv_hit *hit)
     return true;
 }
 
-static bool misses_box(const rsv_twin_node *node, const rsv_ray *ray, float slack, float t_max)
+/// A ray as boxes ask for it.
+typedef struct box_ray {
+    float from[3];
+    float inverse[3]; ///< of the direction; 0 = the ray is parallel to the faces
+    float slack;
+} box_ray;
+
+static box_ray box_ray_of(const rsv_tree_ray *r)
 {
-    const float *low = &node->low.x, *high = &node->high.x, *from = &ray->origin.x,
-                *along = &ray->direction.x;
-    float enter = 0, leave = t_max;
+    const float *from = &r->ray.origin.x, *along = &r->ray.direction.x;
+    box_ray b = { .slack = r->slack };
     for (int k = 0; k < 3; k++) {
-        float near = low[k] - slack - from[k], far = high[k] + slack - from[k];
-        if (fabsf(along[k]) < 1e-12f) {
+        b.from[k] = from[k];
+        b.inverse[k] = fabsf(along[k]) < 1e-12f ? 0 : 1 / along[k];
+    }
+    return b;
+}
+
+/// @param enter, leave the part of the ray that counts
+static bool misses_box(const rsv_twin_node *node, const box_ray *r, float enter, float leave)
+{
+    const float *low = &node->low.x, *high = &node->high.x;
+    for (int k = 0; k < 3; k++) {
+        float near = low[k] - r->slack - r->from[k], far = high[k] + r->slack - r->from[k];
+        if (r->inverse[k] == 0) {
             if (near > 0 || far < 0) return true;
             continue;
         }
-        float a = near / along[k], b = far / along[k];
+        float a = near * r->inverse[k], b = far * r->inverse[k];
         enter = f_max(enter, f_min(a, b));
         leave = f_min(leave, f_max(a, b));
     }
     return enter > leave;
 }
 
+static bool counts(const rsv_tree_ray *r, uint32_t triangle)
+{
+    return !r->kind_of || r->kind_of[triangle] == r->kind;
+}
+
 bool rsv_tree_ray_closest(const rsv_tree_ray *r, rsv_hit *hit)
 {
     const rsv_twin_tree *tree = r->tree;
+    box_ray boxes = box_ray_of(r);
     *hit = (rsv_hit){ RSV_NONE, INFINITY, 0, 0 };
     for (uint32_t n = 0; n < tree->node_count;) {
         const rsv_twin_node *node = &tree->node[n];
-        bool misses = misses_box(node, &r->ray, r->slack, hit->t);
+        bool misses = misses_box(node, &boxes, 0, hit->t);
         if (!misses && node->next == n + 1)
             for (uint32_t k = node->first; k < node[1].first; k++)
-                if (!r->kind_of || r->kind_of[tree->face[k]] == r->kind)
-                    meets(r, tree->face[k], hit);
+                if (counts(r, tree->face[k])) meets(r, tree->face[k], hit);
         n = misses ? node->next : n + 1;
     }
     return hit->triangle != RSV_NONE;
+}
+
+uint32_t rsv_tree_ray_all(const rsv_tree_ray *r, float *t, uint32_t most)
+{
+    const rsv_twin_tree *tree = r->tree;
+    rsv_tree_ray line = *r;
+    box_ray boxes = box_ray_of(r);
+    uint32_t count = 0;
+    line.t_min = -INFINITY;
+    for (uint32_t n = 0; n < tree->node_count && count < most;) {
+        const rsv_twin_node *node = &tree->node[n];
+        bool misses = misses_box(node, &boxes, -INFINITY, INFINITY);
+        if (!misses && node->next == n + 1)
+            for (uint32_t k = node->first; k < node[1].first && count < most; k++) {
+                rsv_hit hit = { RSV_NONE, INFINITY, 0, 0 };
+                if (counts(r, tree->face[k]) && meets(&line, tree->face[k], &hit))
+                    t[count++] = hit.t;
+            }
+        n = misses ? node->next : n + 1;
+    }
+    return count;
 }

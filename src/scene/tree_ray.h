@@ -19,4 +19,7 @@ typedef struct rsv_tree_ray {
 /// @param hit out: of triangle RSV_NONE if there is none
 bool rsv_tree_ray_closest(const rsv_tree_ray *ray, rsv_hit *hit);
 
+/// Where the line along a ray meets triangles, before and behind its origin, in no order. @param t [most] out @return how many
+uint32_t rsv_tree_ray_all(const rsv_tree_ray *ray, float *t, uint32_t most);
+
 #endif

@@ -3,10 +3,12 @@
 #include "../core/sampling.h"
 #include "tree_ray.h"
 
+#include <stdlib.h>
+
 /// Lines through a face at most. One does, unless it runs along edges.
 #define LINES 5
-/// Places that a line crosses at most: more are a heap.
-#define MOST_CROSSED 64
+/// Triangles that a line crosses at most: more are a heap.
+#define MOST_CROSSED 512
 /// How far lines depart from the normal: no line of one face runs along the edges of others.
 #define TILT 0.4f
 
@@ -16,16 +18,24 @@ bool rsv_twin_is_body(const rsv_scene_view *scene, uint32_t material)
     return m->transmission > 0 && m->thickness > 0;
 }
 
-static uint32_t count_crossed(rsv_tree_ray *r, float gap)
+static int compare_distances(const void *left, const void *right)
 {
-    uint32_t count = 0;
-    rsv_hit hit;
-    r->t_min = gap;
-    while (count < MOST_CROSSED && rsv_tree_ray_closest(r, &hit)) {
-        count++;
-        r->t_min = hit.t + gap;
+    float a = *(const float *)left, b = *(const float *)right;
+    return (a > b) - (a < b);
+}
+
+/// Places ahead, or behind, that lie apart by more than the gap. @param t [count] ascending
+static uint32_t count_crossed(const float *t, uint32_t count, float sign, float gap)
+{
+    uint32_t crossed = 0;
+    float last = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        float at = sign * t[sign > 0 ? k : count - 1 - k];
+        if (!(at > last + gap)) continue;
+        last = at;
+        crossed++;
     }
-    return count;
+    return crossed;
 }
 
 static rsv_ray line_through(const rsv_scene_view *scene, uint32_t triangle, uint32_t k)
@@ -43,11 +53,12 @@ static rsv_ray line_through(const rsv_scene_view *scene, uint32_t triangle, uint
 /// @return 1 = the front is inside, -1 = the back is, 0 = the surface is not closed
 static int find_inside(rsv_tree_ray *r, float gap, uint32_t triangle)
 {
+    float t[MOST_CROSSED];
     for (uint32_t k = 0; k < LINES; k++) {
         r->ray = line_through(r->view, triangle, k);
-        uint32_t ahead = count_crossed(r, gap);
-        r->ray.direction = v3_neg(r->ray.direction);
-        uint32_t behind = count_crossed(r, gap);
+        uint32_t count = rsv_tree_ray_all(r, t, MOST_CROSSED);
+        qsort(t, count, sizeof *t, compare_distances);
+        uint32_t ahead = count_crossed(t, count, 1, gap), behind = count_crossed(t, count, -1, gap);
         if ((ahead + behind) % 2) return ahead % 2 ? 1 : -1;
     }
     return 0;

@@ -5,14 +5,12 @@
 #include "scene.h"
 #include "twin_body.h"
 #include "twin_overlap.h"
-#include "twin_tree.h"
+#include "twins_owner.h"
 
 #include <string.h>
 
 /// Opposite faces may lie apart by this part of the scene's size: copies come out of programs of single precision.
 #define REACH 0x1p-18f
-/// Rays leave faces with copies by so many times what these may lie off.
-#define CLEAR 1.5f
 
 /// The four triangles of a leaf look at so many others at most, and find so many: beyond, as around the tip of a fan of
 /// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square. They are searched for
@@ -26,12 +24,6 @@
 /// Places on a triangle that tell whether all of it is hidden, and on a lamp, whether some of it is.
 #define PLACES 16
 #define PLACES_OF_LAMP 256
-
-typedef struct rsv_twins_owner {
-    rsv_twins twins;
-    rsv_twin_tree tree;
-    uint8_t *flags; ///< [triangle_count]
-} rsv_twins_owner;
 
 /// A face, for quick looks. In the order of the tree: neighbours are read together.
 typedef struct face_box {
@@ -63,14 +55,12 @@ typedef struct leaf_search {
     bool apart;
 } leaf_search;
 
-/// @param opposite whether some face in the place of this one turns the other way, else the same way
-static void flag_twin(const finder *f, uint32_t triangle, bool opposite)
+uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool opposite)
 {
     // a front is sure to be seen before a back, unless it lets light through and the back does not
-    bool sure = opposite && rsv_twin_is_opaque(f->view, f->view->triangle_material[triangle]);
-    flag(f, triangle,
-        (uint8_t)(RSV_TWIN_OVER_BACK | (sure ? 0 : RSV_TWIN_OVER_FRONT) |
-                  (opposite ? RSV_TWIN_OPPOSITE : 0)));
+    bool sure = opposite && rsv_twin_is_opaque(scene, scene->triangle_material[triangle]);
+    return (uint8_t)(RSV_TWIN_OVER_BACK | (sure ? 0 : RSV_TWIN_OVER_FRONT) |
+                     (opposite ? RSV_TWIN_OPPOSITE : 0));
 }
 
 /// @param a, b places in the tree
@@ -83,8 +73,8 @@ static void compare(const finder *f, uint32_t a, uint32_t b, leaf_search *s)
     const rsv_twin_face face_a = { f->tree.face[a], box_a->normal };
     const rsv_twin_face face_b = { f->tree.face[b], box_b->normal };
     if (!rsv_twins_overlap(f->view, face_a, face_b, reach, &overlap)) return;
-    flag_twin(f, face_a.triangle, overlap.opposite);
-    flag_twin(f, face_b.triangle, overlap.opposite);
+    flag(f, face_a.triangle, rsv_twin_flags(f->view, face_a.triangle, overlap.opposite));
+    flag(f, face_b.triangle, rsv_twin_flags(f->view, face_b.triangle, overlap.opposite));
     s->found++;
     s->apart |= overlap.gap > 0.25 * (double)rounding;
 }
@@ -266,15 +256,20 @@ cleanup:
     return status;
 }
 
+void rsv_twins_limits(const rsv_scene_view *scene, float *reach, float *rounding)
+{
+    float size = v3_max_abs(v3_sub(scene->bounds_max, scene->bounds_min));
+    float farthest = f_max(v3_max_abs(scene->bounds_min), v3_max_abs(scene->bounds_max));
+    *rounding = RSV_TWIN_ROUNDING * farthest;
+    *reach = f_max(REACH * size, 2 * *rounding);
+}
+
 static rsv_status finder_create(const rsv_scene *scene, finder *f)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     const rsv_scene_view *view = &scene->view;
-    float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
-    float farthest = f_max(v3_max_abs(view->bounds_min), v3_max_abs(view->bounds_max));
     *f = (finder){ .scene = scene, .view = view };
-    f->rounding = RSV_TWIN_ROUNDING * farthest;
-    f->reach = f_max(REACH * size, 2 * f->rounding);
+    rsv_twins_limits(view, &f->reach, &f->rounding);
     f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
     f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
     if (!f->flags || !f->box) goto cleanup;
@@ -355,7 +350,8 @@ static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool bac
     if (hit.triangle != triangle && covers_all(view, triangle, hit.triangle))
         return (showing){ false, hit.triangle };
     // what shows its middle is not hidden
-    if (hit.triangle == triangle && back) return (showing){ true, RSV_NONE };
+    if (hit.triangle == triangle && back && !is_lamp(view, triangle))
+        return (showing){ true, RSV_NONE };
     return look_at(view, triangle, back);
 }
 
@@ -366,6 +362,14 @@ static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t 
     return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
            is_lamp(view, t) == is_lamp(view, other) &&
            !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
+}
+
+/// Lamps of which others hide a part.
+static void note_parts(
+    const rsv_twins_owner *owner, const rsv_scene_view *view, uint32_t triangle, showing seen)
+{
+    if (seen.some && seen.other != RSV_NONE && is_lamp(view, triangle))
+        owner->flags[triangle] |= RSV_TWIN_PARTLY;
 }
 
 /// Marks the faces that others hide. @return the first in whose place others are shown by a guess; RSV_NONE = none
@@ -384,10 +388,13 @@ static uint32_t find_hidden(
             showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
-            if (seen.some && seen.other != RSV_NONE && is_lamp(view, t))
-                owner->flags[t] |= RSV_TWIN_PARTLY;
+            note_parts(owner, view, t, seen);
         }
-        if (two && !look_once(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two) {
+            showing seen = look_once(view, t, true);
+            if (!seen.some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+            note_parts(owner, view, t, seen);
+        }
     }
     return guessed;
 }
@@ -427,32 +434,46 @@ static void find_inside_out(const finder *f)
     }
 }
 
-/// @param count triangles with a flag
-static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
+rsv_status rsv_twins_plant(rsv_scene *scene)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_twins_owner *owner = scene->twins;
+    uint32_t count = 0, next = 0;
+    for (size_t t = 0; t < scene->triangle_count; t++)
+        count += owner->flags[t] && !(owner->flags[t] & RSV_TWIN_HIDDEN);
+    uint32_t *face = rsv_reserve(scene->context, count, sizeof *face);
+    if (!face) return RSV_ERROR_MEMORY;
+    for (uint32_t t = 0; t < scene->triangle_count; t++)
+        if (owner->flags[t] && !(owner->flags[t] & RSV_TWIN_HIDDEN)) face[next++] = t;
+    scene->view.twins = NULL;
+    rsv_twin_tree_destroy(&owner->tree);
+    RSV_TRY(rsv_twin_tree_create(scene->context, &scene->view, face, count, NULL, &owner->tree));
+    owner->twins.flags = owner->flags;
+    owner->twins.node = owner->tree.node;
+    owner->twins.face = owner->tree.face;
+    owner->twins.node_count = owner->tree.node_count;
+    owner->twins.face_count = owner->tree.face_count;
+    scene->view.twins = &owner->twins;
+cleanup:
+    rsv_free(scene->context, face);
+    return status;
+}
+
+static rsv_status keep(rsv_scene *scene, const finder *f)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_context *context = scene->context;
-    uint32_t *face = rsv_reserve(context, count, sizeof *face), next = 0;
     rsv_twins_owner *owner = scene->twins = rsv_alloc(context, 1, sizeof *owner);
-    if (!face || !owner) goto cleanup;
+    if (!owner) return RSV_ERROR_MEMORY;
     owner->flags = rsv_alloc(context, scene->triangle_count, 1);
     if (!owner->flags) goto cleanup;
     memcpy(owner->flags, f->flags, scene->triangle_count);
-    for (uint32_t t = 0; t < scene->triangle_count; t++)
-        if (f->flags[t] && !(f->flags[t] & RSV_TWIN_HIDDEN)) face[next++] = t;
-    RSV_TRY(rsv_twin_tree_create(context, &scene->view, face, next, NULL, &owner->tree));
-    owner->twins = (rsv_twins){ .flags = owner->flags,
-        .node = owner->tree.node,
-        .face = owner->tree.face,
-        .node_count = owner->tree.node_count,
-        .face_count = owner->tree.face_count,
-        .reach = f->reach,
+    owner->twins = (rsv_twins){ .reach = f->reach,
         .rounding = f->rounding,
-        .extent = f->apart ? CLEAR * 0x1p20f : 0 };
-    scene->view.twins = &owner->twins;
+        .extent = f->apart ? RSV_TWIN_CLEAR * 0x1p20f : 0 };
+    RSV_TRY(rsv_twins_plant(scene));
     warn_of_guess(scene, find_hidden(&scene->view, owner, context));
 cleanup:
-    rsv_free(context, face);
     return status;
 }
 
@@ -466,52 +487,9 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
     find_inside_out(&f);
-    if (count) RSV_TRY(keep(scene, &f, count));
+    if (count) RSV_TRY(keep(scene, &f));
     if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
 cleanup:
     finder_destroy(&f);
     return status;
-}
-
-void rsv_scene_move_twins(rsv_scene *scene)
-{
-    if (scene->twins) rsv_twin_tree_fit(&scene->view, &scene->twins->tree);
-}
-
-static void *copy_bytes(rsv_context *context, const void *from, size_t bytes)
-{
-    void *copy = rsv_alloc(context, bytes, 1);
-    if (copy) memcpy(copy, from, bytes);
-    return copy;
-}
-
-rsv_status rsv_scene_copy_twins(rsv_scene *variant)
-{
-    const rsv_twins_owner *from = variant->twins;
-    rsv_context *context = variant->context;
-    if (!from) return RSV_OK;
-    rsv_twins_owner *own = rsv_alloc(context, 1, sizeof *own);
-    if (!own) return RSV_ERROR_MEMORY;
-    *own = *from;
-    own->tree.node =
-        copy_bytes(context, from->tree.node, (from->tree.node_count + 1) * sizeof *from->tree.node);
-    own->tree.face =
-        copy_bytes(context, from->tree.face, from->tree.face_count * sizeof *from->tree.face);
-    own->flags = copy_bytes(context, from->flags, variant->triangle_count);
-    own->twins.node = own->tree.node;
-    own->twins.face = own->tree.face;
-    own->twins.flags = own->flags;
-    variant->twins = own;
-    variant->view.twins = &own->twins;
-    bool complete = own->tree.node && own->tree.face && own->flags;
-    return complete ? RSV_OK : RSV_ERROR_MEMORY;
-}
-
-void rsv_scene_release_twins(rsv_scene *scene)
-{
-    if (!scene->twins) return;
-    rsv_twin_tree_destroy(&scene->twins->tree);
-    rsv_free(scene->context, scene->twins->flags);
-    rsv_free(scene->context, scene->twins);
-    scene->twins = NULL;
 }

@@ -30,7 +30,7 @@
 #define RSV_TWIN_OPPOSITE 16   ///< some face at the same place turns the other way
 #define RSV_TWIN_LAST 32       ///< of several that are alike in all respects
 #define RSV_TWIN_INSIDE_OUT 64 ///< of a body: its front looks into it
-#define RSV_TWIN_PARTLY 128    ///< of a lamp: others hide a part of it
+#define RSV_TWIN_PARTLY 128    ///< of a lamp: others hide a part of a side that shines
 /// All of a face that is not the last of several
 #define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
 /// Places are the same to this part of their largest coordinate.
@@ -248,13 +248,20 @@ RSV_INLINE bool rsv_twins_hide(const rsv_scene_view *scene, uint32_t triangle, b
     return scene->twins && (scene->twins->flags[triangle] & hidden);
 }
 
-/// Whether others hide a place on the front of a lamp: it gives no light there.
-RSV_INLINE bool rsv_twins_hide_place(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+/// Whether others hide a part of one side of a lamp.
+RSV_INLINE bool rsv_twins_hide_part(const rsv_scene_view *scene, uint32_t triangle)
 {
-    if (!scene->twins || !(scene->twins->flags[triangle] & RSV_TWIN_PARTLY)) return false;
+    return scene->twins && (scene->twins->flags[triangle] & RSV_TWIN_PARTLY);
+}
+
+/// Whether others hide a place on a side of a lamp: it gives no light there.
+RSV_INLINE bool rsv_twins_hide_place(
+    const rsv_scene_view *scene, uint32_t triangle, bool back, float u, float v)
+{
+    if (!rsv_twins_hide_part(scene, triangle)) return false;
     rsv_hit hit = { triangle, 0, u, v };
-    rsv_twins_search(scene, v3_neg(rsv_twin_plane_of(scene, triangle).normal), &hit);
+    rsv_vec3 normal = rsv_twin_plane_of(scene, triangle).normal;
+    rsv_twins_search(scene, back ? normal : v3_neg(normal), &hit);
     return hit.triangle != triangle;
 }
 

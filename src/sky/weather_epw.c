@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { header_lines = 8, date_columns = 5, value_columns = 10 };
+enum { header_lines = 8, date_columns = 5 };
 
 /// Where values stand, counted from the one behind the column of flags.
 enum { dew_point = 1, global_horizontal = 7, direct_normal = 8, diffuse_horizontal = 9 };
@@ -96,27 +96,38 @@ static double middle_of(
     return date[3] - 1 + fmin(*in_hour + 0.5, per_hour - 0.5) / per_hour;
 }
 
+/// One of the values behind the flags; an empty cell is a missing one.
+static rsv_status read_cell(const rsv_weather_text *text, int index, double *value)
+{
+    char *cell = cell_of(text->line, date_columns + 1 + index);
+    *value = NAN;
+    if (cell) cell += strspn(cell, " \t");
+    if (cell && (*cell == ',' || *cell == '\0')) return RSV_OK;
+    if (cell && rsv_weather_number(&cell, ',', value)) return RSV_OK;
+    return rsv_weather_complain(text, "16 columns are expected, with numbers as dew point and as "
+                                      "global, direct normal and diffuse horizontal irradiance");
+}
+
 static rsv_status read_record(rsv_weather_text *text, double per_hour, int *in_hour)
 {
     int date[4] = { 0 };
-    double value[value_columns];
+    double dew, global, direct, diffuse;
     char *cursor = text->line;
-    rsv_status status = read_date(text, &cursor, date);
-    if (status != RSV_OK) return status;
-    cursor = cell_of(text->line, date_columns + 1);
-    for (int k = 0; k < value_columns; k++)
-        if (!cursor || !rsv_weather_number(&cursor, ',', &value[k]))
-            return rsv_weather_complain(text,
-                "16 columns with numbers are expected, up to the diffuse horizontal irradiance");
-    double dew = value[dew_point];
+    rsv_status status;
+    RSV_TRY(read_date(text, &cursor, date));
+    RSV_TRY(read_cell(text, dew_point, &dew));
+    RSV_TRY(read_cell(text, global_horizontal, &global));
+    RSV_TRY(read_cell(text, direct_normal, &direct));
+    RSV_TRY(read_cell(text, diffuse_horizontal, &diffuse));
     rsv_weather_hour hour = { .moment = { date[0], date[1], date[2], 0 },
         .hours = 1 / per_hour,
-        .record = { irradiance_of(value[direct_normal]), irradiance_of(value[diffuse_horizontal]),
-            fabs(dew) < 80 ? dew : NAN, 0 },
-        .direct_illuminance = irradiance_of(value[global_horizontal]), // for the time being
+        .record = { irradiance_of(direct), irradiance_of(diffuse), fabs(dew) < 80 ? dew : NAN, 0 },
+        .direct_illuminance = irradiance_of(global), // for the time being
         .diffuse_illuminance = NAN };
     hour.moment.hour = middle_of(text, date, per_hour, in_hour);
-    return rsv_weather_append(text, &hour);
+    status = rsv_weather_append(text, &hour);
+cleanup:
+    return status;
 }
 
 /// One of the two irradiances, where the other and their sum on the ground are known.

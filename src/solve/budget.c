@@ -25,16 +25,16 @@ rsv_status rsv_budget_open(rsv_builder *b)
     if (b->desc.max_bytes == 0) return RSV_OK;
     size_t resident = (size_t)rsv_team_largest(b->context, (double)resident_bytes());
     size_t most = b->desc.max_bytes;
-    resident += BESIDES;
+    resident += BESIDES + b->desc.reserved_bytes;
     double left = most > resident ? PLANNED * (double)(most - resident) : 0;
     double mesh = (double)BYTES_PER_TRIANGLE * (double)b->scene.view->triangle_count;
     b->bytes_left = (size_t)left;
     if (left > mesh * MAKING_ELEMENTS) return RSV_OK;
     return rsv_fail(RSV_ERROR_MEMORY,
-        "solve: a memory budget of %.0f MiB is too small: program and scene take %.0f MiB and "
+        "solve: a memory budget of %.0f MiB is too small: program%s take %.0f MiB and "
         "elements at least %.0f MiB more; allow %.0f MiB or simplify its meshes",
-        mebibytes((double)most), ceil(mebibytes((double)resident)),
-        ceil(mebibytes(mesh * MAKING_ELEMENTS / PLANNED)),
+        mebibytes((double)most), b->desc.reserved_bytes ? ", scene and output" : " and scene",
+        ceil(mebibytes((double)resident)), ceil(mebibytes(mesh * MAKING_ELEMENTS / PLANNED)),
         ceil(mebibytes((double)resident)) + ceil(mebibytes(mesh * MAKING_ELEMENTS / PLANNED)) + 1);
 }
 

@@ -3,6 +3,7 @@
 #include "../core/team.h"
 #include "../elements/elements.h"
 #include "budget.h"
+#include "budget_fill.h"
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
@@ -39,32 +40,89 @@ static float coarsest_spacing(const rsv_builder *b)
     return 2 * v3_length(v3_sub(view->bounds_max, view->bounds_min));
 }
 
+/// A spacing, and what comes of it.
+typedef struct trial {
+    float metres;
+    size_t elements;
+    bool usable; ///< some of them see anything
+} trial;
+
+static rsv_status try_spacing(rsv_builder *b, float metres, trial *t)
+{
+    size_t budget = b->desc.max_elements;
+    b->spacing.metres = metres;
+    if (budget) b->desc.max_elements = 1; // none to spare for splits where surfaces meet
+    rsv_status status = create_grids(b);
+    b->desc.max_elements = budget;
+    if (status != RSV_OK) return status;
+    *t = (trial){ metres, rsv_budget_elements(b),
+        rsv_builder_rows(b) > 0 || !rsv_reflects_diffusely(&b->scene) };
+    return RSV_OK;
+}
+
+/// The part of the budgets that the elements in hand use.
+static double used_budget(const rsv_builder *b)
+{
+    double most = (double)b->desc.max_elements;
+    double of_elements = most > 0 ? (double)rsv_budget_elements(b) / most : 0;
+    return fmax(of_elements, (double)rsv_builder_rows(b) / ((double)rsv_budget_rows(b) + 1));
+}
+
+/// Narrows down which spacing just fits. @param best in and out @param exceeding metres, less than the best one's
+static rsv_status use_budget(rsv_builder *b, float exceeding, trial *best)
+{
+    rsv_status status = RSV_OK;
+    double used = 0;
+    for (int k = 0; k < BISECTIONS && used < BUDGET_USED; k++) {
+        trial t;
+        RSV_TRY(try_spacing(b, sqrtf(best->metres * exceeding), &t));
+        if (t.usable && is_within_budget(b) && t.elements >= best->elements)
+            *best = t, used = used_budget(b);
+        else
+            exceeding = t.metres;
+    }
+cleanup:
+    return status;
+}
+
 /// The last resort: spacings from the coarsest down, the same ones whatever the budget, so that the fewest
-/// elements that a refusal names are found again.
+/// elements that a refusal names are found again. Of those that fit the finest, else the one of the fewest elements.
 static rsv_status create_fewest(rsv_builder *b)
 {
     rsv_status status = RSV_OK;
-    float best = 0;
-    size_t least = SIZE_MAX, budget = b->desc.max_elements;
-    if (budget) b->desc.max_elements = 1; // none to spare for splits where surfaces meet
+    size_t budget = b->desc.max_elements;
+    trial best = { 0, SIZE_MAX, false };
+    float exceeding = 0;
     for (int k = 0; k < SPACINGS_TRIED; k++) {
-        b->spacing.metres = coarsest_spacing(b) * exp2f(-(float)k);
-        RSV_TRY(create_grids(b));
-        size_t nodes = rsv_budget_elements(b);
-        bool usable = rsv_builder_rows(b) > 0 || !rsv_reflects_diffusely(&b->scene);
-        if (!usable || nodes > least) continue; // of equal ones the finest
-        least = nodes;
-        best = b->spacing.metres;
+        trial t;
+        RSV_TRY(try_spacing(b, coarsest_spacing(b) * exp2f(-(float)k), &t));
+        bool fits = budget && t.elements <= budget && t.elements >= best.elements;
+        if (t.usable && (t.elements <= best.elements || fits))
+            best = t, exceeding = 0;
+        else if (exceeding == 0)
+            exceeding = t.metres;
     }
-    if (best > 0) {
-        b->spacing.metres = best;
-        RSV_TRY(create_grids(b));
-    }
-    b->desc.max_elements = budget;
+    if (best.metres > 0 && best.elements <= budget && exceeding > 0)
+        RSV_TRY(use_budget(b, exceeding, &best));
+    if (best.metres > 0) RSV_TRY(try_spacing(b, best.metres, &best));
     while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
     if (!is_within_budget(b)) RSV_TRY(rsv_budget_refuse(b, rsv_budget_elements(b)));
 cleanup:
-    b->desc.max_elements = budget;
+    return status;
+}
+
+/// Uses what budgets leave. @param exceeding metres between too many elements
+static rsv_status fill_budget(rsv_builder *b, float exceeding, float wanted)
+{
+    rsv_status status = rsv_budget_fill(b, wanted);
+    if (status != RSV_OK || used_budget(b) > BUDGET_MISSED || exceeding >= b->spacing.metres ||
+        rsv_pilot_has_goal(b))
+        return status;
+    trial best = { b->spacing.metres, rsv_budget_elements(b), true };
+    RSV_TRY(use_budget(b, exceeding, &best));
+    RSV_TRY(try_spacing(b, best.metres, &best));
+    RSV_TRY(rsv_budget_fill(b, wanted));
+cleanup:
     return status;
 }
 
@@ -85,6 +143,7 @@ static rsv_status create_elements(rsv_builder *b)
     float wanted = b->wanted_metres = b->spacing.metres, coarsest = coarsest_spacing(b);
     size_t before = SIZE_MAX;
     bool stalled = false;
+    float exceeding = 0;
     RSV_TRY(rsv_budget_open(b));
     for (;;) {
         RSV_TRY(create_grids(b));
@@ -92,6 +151,7 @@ static rsv_status create_elements(rsv_builder *b)
         while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
         if (is_within_budget(b)) break;
         rsv_builder_forget_history(b); // its grids and splits would stay as they were
+        exceeding = b->spacing.metres;
         size_t rows = rsv_builder_rows(b);
         if (rows == 0 || b->spacing.metres >= f_max(coarsest, wanted)) {
             RSV_TRY(create_fewest(b));
@@ -103,6 +163,7 @@ static rsv_status create_elements(rsv_builder *b)
         b->spacing.metres *= stalled ? LARGEST_STEP : f_min(step, LARGEST_STEP);
         b->spacing.metres = f_min(b->spacing.metres, f_max(coarsest, wanted));
     }
+    if (exceeding > 0) RSV_TRY(fill_budget(b, exceeding, wanted));
     rsv_budget_report(b, wanted);
 cleanup:
     return status;

@@ -119,15 +119,37 @@ cleanup:
     return status;
 }
 
+/// Splits cells, and leaves what there was before to the caller.
+static rsv_status split_cells(rsv_builder *b, const uint8_t *split)
+{
+    rsv_elements *earlier = b->elements;
+    b->elements = NULL;
+    b->valid_points = NULL;
+    rsv_status status = rsv_elements_refine(earlier, split, &b->elements);
+    return status == RSV_OK ? prepare_elements(b, earlier) : status;
+}
+
 rsv_status rsv_coarse_elements_split(rsv_builder *b, const uint8_t *split)
 {
-    rsv_elements *earlier = b->elements, *finer = NULL;
-    rsv_status status = rsv_elements_refine(earlier, split, &finer);
-    if (status != RSV_OK) return status;
-    b->elements = finer;
+    rsv_elements *earlier = b->elements;
     rsv_free(b->context, b->valid_points);
-    b->valid_points = NULL;
-    status = prepare_elements(b, earlier);
+    rsv_status status = split_cells(b, split);
     rsv_elements_destroy(earlier);
+    return status;
+}
+
+rsv_status rsv_coarse_elements_try(
+    rsv_builder *b, const uint8_t *split, bool (*fits)(const rsv_builder *), bool *kept)
+{
+    rsv_elements *earlier = b->elements, *other;
+    uint16_t *earlier_points = b->valid_points, *other_points;
+    rsv_status status = split_cells(b, split);
+    *kept = status == RSV_OK && fits(b);
+    other = *kept ? earlier : b->elements;
+    other_points = *kept ? earlier_points : b->valid_points;
+    b->elements = *kept ? b->elements : earlier;
+    b->valid_points = *kept ? b->valid_points : earlier_points;
+    rsv_elements_destroy(other);
+    rsv_free(b->context, other_points);
     return status;
 }

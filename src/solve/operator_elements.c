@@ -2,8 +2,6 @@
 #include "goal.h"
 #include "operator.h"
 
-#include <string.h>
-
 bool rsv_operator_locate(const rsv_operator *op, uint32_t triangle, float u, float v,
     bool back_side, rsv_element_weights *around)
 {
@@ -32,19 +30,15 @@ static rsv_element_weights locate_probe(const rsv_operator *op, const rsv_probe 
     return rsv_operator_locate(op, hit.triangle, hit.u, hit.v, back_side, &around) ? around : none;
 }
 
-rsv_status rsv_operator_locate_probes(const rsv_operator *op, const rsv_probe *probes, size_t count,
-    uint32_t (*element)[3], float (*weight)[3])
+rsv_status rsv_operator_locate_probes(
+    const rsv_operator *op, const rsv_probe *probes, size_t count, rsv_element_weights *around)
 {
     rsv_context *context = rsv_operator_get_view(op)->context;
     rsv_status status = rsv_check_probes(probes, count);
     if (status != RSV_OK) return status;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < count; k++) {
-        if (rsv_cancelled(context)) continue;
-        rsv_element_weights around = locate_probe(op, &probes[k]);
-        memcpy(element[k], around.element, sizeof around.element);
-        memcpy(weight[k], around.weight, sizeof around.weight);
-    }
+    for (size_t k = 0; k < count; k++)
+        if (!rsv_cancelled(context)) around[k] = locate_probe(op, &probes[k]);
     return rsv_progress(context, "probe", 1);
 }
 

@@ -26,6 +26,15 @@
 #define LEAST_PROGRESS 0.95
 /// Spacings that are tried in search of the fewest elements.
 #define SPACINGS_TRIED 7
+/// Between the last spacing that fits and one that does not, so many are tried until so much of a budget is used. Measured,
+/// with the next three: terraces:3e4 under 3,000 elements: 2,416; 497 without.
+#define BISECTIONS 6
+#define BUDGET_USED 0.8
+/// Less is worth another search, after the largest cells were split.
+#define BUDGET_MISSED 0.5
+/// Those are split until so much of a budget is used, in so many rounds at most.
+#define BUDGET_FILLED 0.95
+#define FILL_ROUNDS 12
 
 // ---- Coarse elements (coarse_elements.c) -------------------------------------------------------------
 

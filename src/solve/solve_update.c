@@ -10,7 +10,7 @@ static uint64_t settings_of(const rsv_builder *b)
     const rsv_solve_desc *d = &b->desc;
     const uint64_t word[] = { d->element_target, b->wanted_rays, d->refinements, d->light_samples,
         d->photon_count, d->direct_levels, d->direct_level, d->max_elements, d->max_bytes,
-        d->seed };
+        d->reserved_bytes, d->seed };
     uint64_t key = rsv_key_add_bytes(1, word, sizeof word);
     return d->contact_share > 0 ? rsv_key_add_bytes(key, &d->contact_share, sizeof(float)) : key;
 }

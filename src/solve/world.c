@@ -86,8 +86,8 @@ cleanup:
 
 rsv_status rsv_world_follow_places(rsv_world *w)
 {
-    rsv_scene_update_bounds(w->variant);
-    return rsv_tracer_update(w->tracer);
+    rsv_status status = rsv_scene_update_bounds(w->variant);
+    return status == RSV_OK ? rsv_tracer_update(w->tracer) : status;
 }
 
 rsv_world *rsv_world_retain(rsv_world *w)

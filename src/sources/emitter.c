@@ -10,28 +10,34 @@
 /// Relative variance where only wider patches see any light: it may lie outside, and then the mean is wrong.
 #define BARELY_SEEN 400
 
-/// Mean over the emitter, each place standing for a patch.
+bool rsv_emitter_sides_differ(const rsv_scene_view *scene, const rsv_emitter *e)
+{
+    return e->double_sided && rsv_twins_hide_part(scene, e->triangle);
+}
+
+/// Mean over the sides of the emitter, each place standing for a patch.
 static rsv_rgb mean_over(
     const rsv_scene_view *scene, const rsv_emitter *e, float width, rsv_emission_spread *spread)
 {
     rsv_rgb sum = rgb_gray(0);
     double luminance = 0, squares = 0, most = 0;
-    for (uint32_t k = 0; k < RADIANCE_POINTS; k++) {
+    uint32_t points = RADIANCE_POINTS * (rsv_emitter_sides_differ(scene, e) ? 2 : 1);
+    for (uint32_t k = 0; k < points; k++) {
         float x, y, u, v;
-        rsv_sobol_2d(k, 0, &x, &y);
+        rsv_sobol_2d(k % RADIANCE_POINTS, 0, &x, &y);
         rsv_square_to_triangle(x, y, &u, &v);
         rsv_emitter_to_triangle(e, &u, &v);
-        rsv_rgb radiance = rsv_emission_at(scene, e->triangle, u, v, width);
+        rsv_rgb radiance = rsv_emission_at(scene, e->triangle, k >= RADIANCE_POINTS, u, v, width);
         double own = rgb_luminance(radiance);
         sum = rgb_add(sum, radiance);
-        luminance += own / RADIANCE_POINTS;
-        squares += own * own / RADIANCE_POINTS;
+        luminance += own / points;
+        squares += own * own / points;
         if (own <= most) continue;
         most = own;
         spread->u = u, spread->v = v;
     }
     spread->variance = luminance > 0 ? (float)fmax(squares / (luminance * luminance) - 1, 0) : 0;
-    return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
+    return rgb_scale(sum, 1.0f / (float)points);
 }
 
 /// Each place stands for its share of the area. Where that is dark, wider patches see what lies between: a texel in the
@@ -110,8 +116,7 @@ rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf
     };
     cell_corners(level, place >> 2 * (RSV_EMITTER_LEVELS - level), emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
-    bool shared = scene->twins && (scene->twins->flags[triangle] & RSV_TWIN_PARTLY);
-    emitter.varies = rsv_emission_varies(material) || shared;
+    emitter.varies = rsv_emission_varies(material) || rsv_twins_hide_part(scene, triangle);
     *spread = (rsv_emission_spread){ 0 };
     emitter.radiance = emitter.varies ? mean_radiance(scene, &emitter, spread) : common->emission;
     return emitter;

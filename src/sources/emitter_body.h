@@ -8,9 +8,9 @@
 
 /// Where a surface does not cover, it does not shine, nor where another lies in the same place and is seen.
 RSV_INLINE rsv_rgb rsv_emission_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+    const rsv_scene_view *scene, uint32_t triangle, bool back, float u, float v, float width)
 {
-    if (rsv_twins_hide_place(scene, triangle, u, v)) return rgb_gray(0);
+    if (rsv_twins_hide_place(scene, triangle, back, u, v)) return rgb_gray(0);
     rsv_material m = rsv_material_at(scene, triangle, u, v, width);
     return rgb_scale(m.emission, m.opacity);
 }
@@ -24,12 +24,12 @@ RSV_INLINE void rsv_emitter_to_triangle(const rsv_emitter *e, float *u, float *v
 }
 
 RSV_SHARED rsv_rgb rsv_emitter_radiance(
-    const rsv_lights *lights, uint32_t emitter, float u, float v)
+    const rsv_lights *lights, uint32_t emitter, bool back, float u, float v)
 {
     const rsv_emitter *e = &lights->emitter[emitter];
     if (!e->varies) return e->radiance;
     rsv_emitter_to_triangle(e, &u, &v);
-    return rsv_emission_at(lights->scene, e->triangle, u, v, 0);
+    return rsv_emission_at(lights->scene, e->triangle, back, u, v, 0);
 }
 
 RSV_SHARED uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v)

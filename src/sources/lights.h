@@ -98,12 +98,15 @@ RSV_INLINE uint32_t rsv_emitter_place(float u, float v)
     return place;
 }
 
+/// Whether its two sides may shine differently: other faces cover a part of one.
+bool rsv_emitter_sides_differ(const rsv_scene_view *scene, const rsv_emitter *emitter);
+
 /// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
 RSV_SHARED uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
 
-/// Radiance of an emitter at barycentric (u, v) of the emitter itself.
+/// Radiance of a side of an emitter at barycentric (u, v) of the emitter itself.
 RSV_SHARED rsv_rgb rsv_emitter_radiance(
-    const rsv_lights *lights, uint32_t emitter, float u, float v);
+    const rsv_lights *lights, uint32_t emitter, bool back, float u, float v);
 
 /// Luminance flux of both sides that emit, W.
 RSV_INLINE double rsv_emitter_power(const rsv_emitter *emitter)
@@ -154,6 +157,7 @@ typedef struct rsv_light_sample {
     uint32_t emitter;      ///< RSV_NONE for suns and sky
     bool from_sky;         ///< not from an emitter or a sun
     float u, v;            ///< place on the emitter, if it varies
+    bool back;             ///< likewise: which side
 } rsv_light_sample;
 
 /// Whether `unshadowed` counts its source: all but emitters that the tree chose.

@@ -194,7 +194,7 @@ RSV_INLINE rsv_double3 rsv_sample_triangle(const rsv_triangle_view *view, float 
     return d3_mad(d3_mad(point, u, view->corner[1]), v, view->corner[2]);
 }
 
-/// Notes the emitter's point at `towards` from the receiver.
+/// Notes the emitter's point at `towards` from the receiver, and on which side that is.
 RSV_INLINE void rsv_note_place(
     const rsv_triangle_view *view, rsv_double3 towards, rsv_light_sample *sample)
 {
@@ -204,6 +204,7 @@ RSV_INLINE void rsv_note_place(
     double area = 2 * d3_dot(view->area_vector, view->area_vector);
     sample->u = (float)(d3_dot(view->area_vector, d3_cross(place, edge2)) / area);
     sample->v = (float)(d3_dot(view->area_vector, d3_cross(edge1, place)) / area);
+    sample->back = d3_dot(view->area_vector, towards) > 0;
 }
 
 /// @param probability of having selected this one

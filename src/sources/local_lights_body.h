@@ -21,8 +21,8 @@ RSV_SHARED bool rsv_local_lights_sample(
 {
     if (!rsv_draw_light(local, u_select, u1, u2, sample)) return false;
     if (sample->emitter != RSV_NONE && local->lights->emitter[sample->emitter].varies)
-        sample->radiance =
-            rsv_emitter_radiance(local->lights, sample->emitter, sample->u, sample->v);
+        sample->radiance = rsv_emitter_radiance(
+            local->lights, sample->emitter, sample->back, sample->u, sample->v);
     return true;
 }
 

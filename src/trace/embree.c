@@ -83,6 +83,13 @@ static rsv_status build(rsv_tracer *tracer)
     return check_device(tracer);
 }
 
+/// Asks the scene whether faces of it lie in the same place.
+static void find_twins(rsv_tracer *tracer)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
+    tracer->twins = view->twins ? view : NULL;
+}
+
 rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
@@ -106,8 +113,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     tracer->bvh = rtcNewScene(tracer->device);
     RSV_TRY(check_device(tracer));
     RSV_TRY(build(tracer));
-    const rsv_scene_view *view = rsv_scene_get_view(scene);
-    tracer->twins = view->twins ? view : NULL;
+    find_twins(tracer);
     *result = tracer;
     return RSV_OK;
 cleanup:
@@ -206,6 +212,7 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
     rsv_bvh_destroy(tracer->hierarchy);
     place_apart(tracer, vertices);
+    find_twins(tracer);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(tracer->bvh);

@@ -29,6 +29,17 @@ for scene in cornell-blocks furnace; do
     done
     rm -f "$out"/*
 done
+
+# budgets are used
+for case in 'cornell-blocks 25 20' 'cornell-blocks 70 60' 'cornell-blocks 500 450' 'cornell-spheres 50 40' 'furnace 30 25' \
+    'terraces:3e4 3000 2000'; do
+    read -r scene most least <<<"$case"
+    succeeds solve "$scene" -o "$out/a.safetensors" --quality draft --max-elements "$most" --stats stats.json
+    at_most elements "$most"
+    (($(value elements) >= least)) || complain "$scene: $(value elements) of $most elements"
+done
+rm -f "$out"/*
+
 refuses 1 'memory budget of 5 MiB is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 5MiB
 refuses 1 'memory budget of 40 MiB is too small' render terraces:3e5 -o "$out/a.png" "${small[@]}" --max-memory 40MiB
 for amount in 2 -1GiB 0MiB 1e30TiB nanGiB GiB 1gib '3 GiB'; do

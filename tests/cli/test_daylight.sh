@@ -33,6 +33,9 @@ END
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/a.html" --from 9 --to 17
 grep -q '</html>' "$out/a.html" || complain "the page is whole"
 ! grep -qE 'src=|href=|[^a-z](nan|inf)[^a-z]' "$out/a.html" || complain "the page stands alone and has numbers"
+cp a.epw b.epw
+succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/d.csv" --weather b.epw -o "$out/e.csv" --north 0
+cmp -s "$out/a.csv" "$out/d.csv" && cmp -s "$out/d.csv" "$out/e.csv" || complain "a report for each weather file"
 rm -f "$out"/*
 "$program" daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/c.csv" 2>log >/dev/null
 grep -q 'no --north' log || complain "says which north is taken"
@@ -41,12 +44,13 @@ rm -f "$out"/*
 
 refuses 2 'weather' daylight cornell-blocks -o "$out/a.csv"
 refuses 2 '\.html, \.json or \.csv' daylight cornell-blocks "${quick[@]}" -o "$out/a.txt"
+refuses 2 'of its own' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
 refuses 2 'not before' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --from 12 --to 9
 refuses 1 'would overwrite' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --hourly a.epw
 weather 2001,6,31,3,60 0,0,0 >bad.epw
-refuses 1 'bad.epw:9: there is no such date' daylight cornell-blocks "${quick[@]}" --weather bad.epw -o "$out/a.csv"
+refuses 1 'bad.epw:9: there is no such date' daylight cornell-blocks "${quick[@]:2}" --weather bad.epw -o "$out/a.csv"
 printf 'nothing\n' >bad.epw
-refuses 1 'neither EPW' daylight cornell-blocks "${quick[@]}" --weather bad.epw -o "$out/a.csv"
-refuses 1 'missing.epw' daylight cornell-blocks "${quick[@]}" --weather missing.epw -o "$out/a.csv"
+refuses 1 'neither EPW' daylight cornell-blocks "${quick[@]:2}" --weather bad.epw -o "$out/a.csv"
+refuses 1 'missing.epw' daylight cornell-blocks "${quick[@]:2}" --weather missing.epw -o "$out/a.csv"
 refuses 1 'missing.csv' daylight cornell-blocks "${quick[@]}" --points missing.csv -o "$out/a.csv"
 finish

@@ -312,6 +312,39 @@ static void overlapping_lamps_shine_once(void **state)
     }
 }
 
+/// A double-sided lamp whose back a black face covers on one half gives the light of a double-sided lamp beside a
+/// single-sided one.
+static void backs_of_lamps_shine_where_nothing_covers_them(void **state)
+{
+    (void)state;
+    double power[2], mean[2];
+    for (int kind = 0; kind < 2; kind++) {
+        world *w = world_begin(2);
+        uint32_t black = world_lambert(w, 0, 0);
+        rsv_material shining = lambert_material(0, 10);
+        shining.double_sided = true;
+        uint32_t lamp = world_material(w, shining), one_sided = world_lambert(w, 0, 10);
+        world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(4, 3, 5));
+        // fronts look down, and so does the cover's back
+        if (kind == 0) add_lamp(w, lamp, 1, 2, 2), add_lamp(w, one_sided, 2, 3, 2);
+        if (kind == 1) {
+            add_lamp(w, lamp, 1, 3, 2);
+            world_quad(w, black, v3(2, 2.8f, 4), v3(3, 2.8f, 4), v3(3, 2.8f, 2), v3(2, 2.8f, 2));
+        }
+        rsv_camera camera =
+            rsv_camera_look_at("above", v3(0.3f, 2.9f, 0.3f), v3(2.5f, 2.95f, 4), 1.0f, 1.4f);
+        assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+        world_commit(w);
+        power[kind] = power_of(w);
+        rsv_image *image = trace_paths(w);
+        mean[kind] = mean_of(image);
+        rsv_image_destroy(image);
+        world_end(w);
+    }
+    assert_close(power[1] / power[0], 1, 0.02);
+    assert_close(mean[1] / mean[0], 1, UNLESS_SANITIZED(0.02, 0.1));
+}
+
 /// A lamp in the plane of a ceiling, before or after it in the scene.
 static void a_lamp_in_a_ceiling_shines(void **state)
 {
@@ -669,6 +702,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(light_is_that_of_single_walls),
         cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
         cmocka_unit_test(overlapping_lamps_shine_once),
+        cmocka_unit_test(backs_of_lamps_shine_where_nothing_covers_them),
         cmocka_unit_test(a_lamp_in_a_ceiling_shines),
         cmocka_unit_test(doubled_bodies_refract_once),
         cmocka_unit_test(crates_on_crates_stay_dark_inside),

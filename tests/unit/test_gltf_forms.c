@@ -563,6 +563,76 @@ static void what_a_cutoff_leaves_lets_nothing_through(void **state)
 #define FORM_TEST(function)                                                                        \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
+// ---- variants ---------------------------------------------------------------------------------------
+
+/// Red by default, green where it is moss, and as it is where it is sand, of which it says nothing.
+static const char *write_variants(const folder *place)
+{
+    const sketch s = square_sketch();
+    return write_sketch(place, &s,
+        "\"materials\":[{\"name\":\"red\"},{\"name\":\"green\"}],\"meshes\":[{\"primitives\":["
+        "{" SQUARE
+        ",\"material\":0,\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,"
+        "\"variants\":[0]},{\"material\":7,\"variants\":[2]}]}}}]}],\"nodes\":[{\"mesh\":0}],"
+        "\"extensionsUsed\":[\"KHR_materials_variants\"],\"extensions\":{\"KHR_materials_"
+        "variants\":{"
+        "\"variants\":[{\"name\":\"moss\"},{\"name\":\"sand\"},{\"name\":\"broken\"}]}}");
+}
+
+static void variants_show_their_materials(void **state)
+{
+    static const struct {
+        const char *variant, *material, *problem;
+    } cases[] = {
+        { NULL, "red", NULL },
+        { "moss", "green", NULL },
+        { "sand", "red", NULL },
+        { "broken", NULL, "material 7 does not exist" },
+        { "stone", NULL, "no variant 'stone'; there are 'moss', 'sand', 'broken'" },
+    };
+    fixture *f = *state;
+    folder place = new_folder();
+    const char *path = write_variants(&place);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        rsv_load_desc desc = rsv_default_load_desc();
+        rsv_scene *scene = NULL;
+        desc.variant = cases[k].variant;
+        f->log[0] = '\0';
+        rsv_status status = rsv_scene_load_with(f->context, path, &desc, &scene);
+        if (cases[k].problem) {
+            assert_int_not_equal(status, RSV_OK);
+            assert_mentions(rsv_last_error(), cases[k].problem);
+            continue;
+        }
+        assert_int_equal(status, RSV_OK);
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        assert_string_equal(view->material[view->triangle_material[0]].name, cases[k].material);
+        assert_null(strstr(f->log, "warning"));
+        if (!cases[k].variant) assert_mentions(f->log, "'moss', 'sand'");
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
+}
+
+static void files_without_variants_have_none(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    const sketch s = square_sketch();
+    rsv_load_desc desc = rsv_default_load_desc();
+    rsv_scene *scene = NULL;
+    desc.variant = "moss";
+    const char *path = write_sketch(
+        &place, &s, "\"meshes\":[{\"primitives\":[{" SQUARE "}]}],\"nodes\":[{\"mesh\":0}]");
+    assert_int_equal(rsv_scene_load_with(f->context, path, &desc, &scene), RSV_ERROR_ARGUMENT);
+    assert_mentions(rsv_last_error(), "no variant 'moss', nor any other");
+    path = path_in(&place, "plain.stl");
+    write_bytes(path, "solid x\nendsolid x\n", 19);
+    assert_int_equal(rsv_scene_load_with(f->context, path, &desc, &scene), RSV_ERROR_ARGUMENT);
+    assert_mentions(rsv_last_error(), "only glTF has variants");
+    remove_folder(place.path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -587,6 +657,8 @@ int main(void)
         FORM_TEST(lights_of_an_unknown_type_are_left_out_by_name),
         FORM_TEST(lights_and_cameras_know_their_nodes),
         FORM_TEST(opacity_equal_to_the_cutoff_is_opaque),
+        FORM_TEST(variants_show_their_materials),
+        FORM_TEST(files_without_variants_have_none),
         FORM_TEST(what_a_cutoff_leaves_lets_nothing_through),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -676,6 +676,53 @@ static void png_with_16_bits_is_read_with_16_bits(void **state)
     rsv_image_destroy(image);
 }
 
+/// What a PNG says of its colours and frames beyond sRGB and the first.
+static void png_chunks_that_are_not_used_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *data;
+        uint8_t length;
+        const char *warning; // "" = none
+    } chunk[] = { { "gAMA", "\0\1\x86\xa0", 4, "gamma (gAMA)" }, { "gAMA", "\0\0\xb1\x8f", 4, "" },
+        { "iCCP", "Display P3\0\0x", 13, "colour profile (iCCP)" },
+        { "iCCP", "sRGB IEC\0\0x", 11, "" }, { "cICP", "\x09\x10\0\1", 4, "cICP" },
+        { "cICP", "\1\x0d\0\1", 4, "" }, { "acTL", "\0\0\0\2\0\0\0\0", 8, "frames" },
+        { "cHRM",
+            "\0\0\x7a\x26\0\0\x80\x84\0\1\x09\xa0\0\0\x7d\0\0\0\x67\x84\0\1\x0d\x88\0\0\x3a\x98\0\0"
+            "\x17\x70",
+            32, "primaries (cHRM)" },
+        { "cHRM",
+            "\0\0\x7a\x26\0\0\x80\x84\0\0\xfa\0\0\0\x80\xe8\0\0\x75\x30\0\0\xea\x60\0\0\x3a\x98\0\0"
+            "\x17\x70",
+            32, "" } };
+    enum { START = 33 }; // signature and header
+    const uint16_t code[3] = { 1, 2, 3 };
+    rsv_context *own;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.log = keep_log;
+    assert_int_equal(rsv_context_create(&desc, &own), RSV_OK);
+    for (size_t k = 0; k < sizeof chunk / sizeof *chunk; k++) {
+        uint8_t plain[128], file[192] = { 0 };
+        size_t size = make_png16(plain, 1, 1, code), length = chunk[k].length;
+        memcpy(file, plain, START);
+        file[START + 3] = chunk[k].length;
+        memcpy(file + START + 4, chunk[k].name, 4);
+        memcpy(file + START + 8, chunk[k].data, length);
+        memcpy(file + START + 12 + length, plain + START, size - START);
+        write_bytes(path_of("said.png"), file, size + 12 + length);
+        logged[0] = '\0';
+        rsv_image *image;
+        assert_int_equal(rsv_image_read(own, path_of("said.png"), &image), RSV_OK);
+        rsv_image_destroy(image);
+        if (*chunk[k].warning)
+            assert_non_null(strstr(logged, chunk[k].warning));
+        else
+            assert_string_equal(logged, "");
+    }
+    rsv_context_destroy(own);
+}
+
 /// Sixteen by eight pixels of sRGB (200, 100, 50): quantisation tables of eights, then the rest.
 static size_t make_jpeg(uint8_t *file)
 {
@@ -840,7 +887,7 @@ static void missing_and_unknown_files_are_named(void **state)
 {
     (void)state;
     expect_failure(path_of("none.exr"), RSV_ERROR_IO, "No such file or directory");
-    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED, ".exr, .hdr, .png or .jpg");
+    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED, ".exr, .hdr, .png, .jpg or .webp");
     expect_failure(folder, RSV_ERROR_UNSUPPORTED, ".exr");
     assert_int_equal(mkdir(path_of("f.exr"), 0777), 0);
     expect_failure(path_of("f.exr"), RSV_ERROR_IO, "not a regular file");
@@ -1096,6 +1143,7 @@ int main(void)
         IMAGE_TEST(png_holds_the_nearest_srgb_code),
         IMAGE_TEST(srgb_matches_its_definition),
         IMAGE_TEST(png_with_16_bits_is_read_with_16_bits),
+        IMAGE_TEST(png_chunks_that_are_not_used_are_named),
         IMAGE_TEST(jpeg_is_decoded_from_srgb),
         IMAGE_TEST(truncated_files_are_refused),
         IMAGE_TEST(jpeg_with_an_oversized_huffman_table_is_refused),

@@ -121,8 +121,7 @@ static void elements_around_probes_are_where_these_are(void **state)
     enum { COUNT = 500 };
     rsv_element *element = calloc(s.count, sizeof *element);
     static rsv_probe probe[COUNT];
-    static uint32_t around[COUNT][3];
-    static float weight[COUNT][3];
+    static rsv_element_weights around[COUNT];
     assert_non_null(element);
     assert_int_equal(rsv_operator_elements(s.op, element), RSV_OK);
     rsv_random random = rsv_random_from(4, 5, 6);
@@ -133,12 +132,12 @@ static void elements_around_probes_are_where_these_are(void **state)
             view->bounds_min.y, view->bounds_min.z + z * (view->bounds_max.z - view->bounds_min.z));
         probe[k].normal = v3(0, 1, 0);
     }
-    assert_int_equal(rsv_operator_locate_probes(s.op, probe, COUNT, around, weight), RSV_OK);
+    assert_int_equal(rsv_operator_locate_probes(s.op, probe, COUNT, around), RSV_OK);
     for (size_t k = 0; k < COUNT; k++) {
         rsv_vec3 place = v3(0, 0, 0);
         for (int i = 0; i < 3; i++) {
-            place = v3_mad(place, weight[k][i], element[around[k][i]].position);
-            assert_close(element[around[k][i]].normal.y, 1, 1e-5);
+            place = v3_mad(place, around[k].weight[i], element[around[k].element[i]].position);
+            assert_close(element[around[k].element[i]].normal.y, 1, 1e-5);
         }
         assert_close(v3_length(v3_sub(place, probe[k].position)), 0, 1e-4);
     }
@@ -178,10 +177,8 @@ static void wrong_requests_are_refused(void **state)
     assert_int_equal(rsv_operator_matrix(s.op, RSV_FACTOR_PROPAGATION, 3, &m), RSV_ERROR_ARGUMENT);
     assert_int_equal(rsv_operator_matrix(s.op, (rsv_operator_factor)17, 0, &m), RSV_ERROR_ARGUMENT);
     rsv_probe probe = { v3(0, NAN, 0), v3(0, 1, 0) };
-    uint32_t around[1][3];
-    float weight[1][3];
-    assert_int_equal(
-        rsv_operator_locate_probes(s.op, &probe, 1, around, weight), RSV_ERROR_ARGUMENT);
+    rsv_element_weights around;
+    assert_int_equal(rsv_operator_locate_probes(s.op, &probe, 1, &around), RSV_ERROR_ARGUMENT);
     assert_null(m);
     rsv_sparse_matrix_destroy(NULL);
     end(&s);

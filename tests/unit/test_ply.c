@@ -72,6 +72,10 @@ static void texts_of_all_kinds_are_read(void **state)
         { START VERTEX "element edge 1\nproperty int a\nproperty list int int b\n" FACE
                        "property uchar red\nend_header\n" POINTS "7 2 1 1\n3 0 1 2 9\n",
             1, "not used: edge, red" },
+        { START
+            "comment by hand\ncomment TextureFile wood.png\nobj_info a\nobj_info b\n" VERTEX FACE
+            "end_header\n" POINTS "3 0 1 2\n",
+            1, "not used: TextureFile wood.png" },
         { START VERTEX "element face 3\nproperty uchar k\nproperty list uchar int vertex_indices\n"
                        "end_header\n" POINTS "1 0\n1 2 0 1\n1 3 0 1 2\n",
             1, "2 faces of fewer than three corners" },

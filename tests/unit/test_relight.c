@@ -940,6 +940,37 @@ static void walls_that_absorb_nothing_are_refused_and_change_nothing(void **stat
     world_end(w);
 }
 
+/// A lamp that was moved into the plane of a ceiling is seen before it, from there and wherever else it goes.
+static void a_lamp_that_was_moved_into_a_ceiling_is_seen(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(4, 3, 5));
+    uint32_t lamp = world_lambert(w, 0, 5);
+    world_quad(w, lamp, v3(1.8f, 2.63f, 2.1f), v3(2.2f, 2.63f, 2.1f), v3(2.2f, 2.63f, 2.5f),
+        v3(1.8f, 2.63f, 2.5f));
+    world_commit(w);
+    rsv_light *s = solve(w, false);
+    const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
+    const rsv_vec3 step[] = { { 0, 0.37f, 0 }, { 0.9f, 0, 1 }, { 0, -0.5f, 0 } };
+    rsv_vec3 offset = v3(0, 0, 0);
+    for (int k = 0; k < 3; k++) {
+        const rsv_light_move move = { name, step[k] };
+        offset = v3_add(offset, step[k]);
+        relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
+        for (int place = 0; place < 16; place++) {
+            rsv_vec3 at = v3(1.82f + 0.024f * (float)place, 2.63f, 2.12f + 0.024f * (float)place);
+            rsv_vec3 eye = v3(1.3f, 0.4f, 2.2f);
+            rsv_ray ray = { eye, v3_sub(v3_add(at, offset), eye), INFINITY };
+            rsv_hit hit;
+            assert_true(rsv_tracer_closest(inside(s)->scene.tracer, &ray, &hit));
+            assert_int_equal(inside(s)->scene.view->triangle_material[hit.triangle], lamp);
+        }
+    }
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 /// What a lamp as large as a wall hides is in the rows: it stays where it is.
 static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
 {
@@ -965,6 +996,7 @@ int main(void)
         cmocka_unit_test(going_back_ends_where_it_began),
         cmocka_unit_test(walls_that_absorb_nothing_are_refused_and_change_nothing),
         cmocka_unit_test(a_lamp_as_large_as_a_wall_cannot_be_moved),
+        cmocka_unit_test(a_lamp_that_was_moved_into_a_ceiling_is_seen),
         cmocka_unit_test(lights_of_one_operator_leave_each_other_alone),
         cmocka_unit_test(copies_of_a_moved_light_move_on_alone),
         cmocka_unit_test(the_operator_solves_for_its_light),

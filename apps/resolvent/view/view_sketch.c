@@ -127,7 +127,9 @@ typedef struct tone {
 
 static tone tone_of(const cli_view_state *state)
 {
-    float exposure = exp2f(state->exposure), brightest = state->soft ? 64 : 1;
+    // how bright a scene is shown says nothing of a sketch
+    float exposure = exp2f(state->exposure - state->own_exposure);
+    float brightest = state->soft ? 64 : 1;
     tone t = { .scale = exposure / brightest };
     for (int k = 0; k <= CODE_STEPS; k++) {
         float root = (float)k / CODE_STEPS;

@@ -37,7 +37,7 @@ static void reset(cli_view_state *s)
     s->grabbed = false;
     s->mode = CLI_VIEW_OPERATOR;
     s->layer = RSV_NONE;
-    s->exposure = 0;
+    s->exposure = s->own_exposure;
     s->soft = false;
     s->object_turn = 0;
     s->light_changes++;
@@ -71,6 +71,7 @@ void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
     s->camera = earlier->camera;
     s->aspect = earlier->aspect;
     s->exposure = earlier->exposure;
+    s->own_exposure = earlier->own_exposure;
     s->soft = earlier->soft;
     s->stereo = earlier->stereo;
     s->hud = earlier->hud;
@@ -83,6 +84,12 @@ void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
     s->object_turn = earlier->object_turn;
     s->object_changes = earlier->object_changes;
     if (earlier->selected == earlier->object) s->selected = s->object;
+}
+
+void cli_view_expose(cli_view_state *s, float stops)
+{
+    s->exposure += stops - s->own_exposure;
+    s->own_exposure = stops;
 }
 
 void cli_view_state_free(cli_view_state *s)

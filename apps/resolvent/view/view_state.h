@@ -61,6 +61,7 @@ typedef struct cli_view_state {
     cli_view_mode mode;
     uint32_t layer, layer_count; ///< RSV_NONE = all
     float exposure;              ///< stops
+    float own_exposure;          ///< stops that it begins with: the scene's
     bool soft;
     bool stereo, hud, help, markers;
     float separation; ///< of the eyes, metres
@@ -81,6 +82,8 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
     uint32_t layer_count, const rsv_scene *body, cli_view_state *state);
 /// Takes over from an earlier state of the same scene where one looks from, and how, and where the object is.
 void cli_view_state_continue(cli_view_state *state, const cli_view_state *earlier);
+/// Sets the exposure that the scene begins with; what was added to it stays.
+void cli_view_expose(cli_view_state *state, float stops);
 void cli_view_state_free(cli_view_state *state);
 
 /// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then

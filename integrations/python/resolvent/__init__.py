@@ -24,13 +24,13 @@ from .transport import Operator
 from .photometry import illuminance, luminance
 from .reports import BakeReport, Certificate, GoalCertificate, SolveReport
 from .scene import Scene
-from .things import Camera, Environment, Material, Mesh, PunctualLight, Texture
+from .things import Camera, Environment, Fog, Material, Mesh, PunctualLight, Texture
 
 __version__ = _ffi.string(_lib.rsv_version()).decode()
 
 __all__ = [
     "ArgumentError", "BakeReport", "Basis", "Camera", "Cancelled", "Certificate", "Context", "Environment", "FileError",
-    "FormatError", "GoalCertificate", "Gradient", "Light", "Material", "Mesh", "Operator", "OutOfMemoryError",
+    "Fog", "FormatError", "GoalCertificate", "Gradient", "Light", "Material", "Mesh", "Operator", "OutOfMemoryError",
     "PunctualLight", "ResolventError", "ResolventWarning", "Scene", "SceneError", "SolveReport", "Texture",
     "UnsupportedError", "default_context", "illuminance", "luminance", "read_image", "write_image",
 ]

@@ -3,13 +3,16 @@ from __future__ import annotations
 
 import logging
 import operator
+import os
+import sys
 import threading
 import warnings
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple, TypeVar
 
 from ._native import ffi, lib
 from .errors import ResolventError, ResolventWarning, error_of
 
+T = TypeVar("T")
 _counting = threading.RLock()
 _logger = logging.getLogger("resolvent")
 
@@ -39,10 +42,34 @@ class Handle:
                 self.parent.release()
 
 
-class Object:
-    """Holds a Handle while it lives."""
+class Owner:
+    """Holds a Handle while it lives. It is constant: its copies are itself."""
 
-    def __init__(self, context: Context, handle: Handle):
+    _handle: Handle
+
+    def __copy__(self: T) -> T:
+        return self
+
+    def __deepcopy__(self: T, _: Any) -> T:
+        return self
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {type(self).__name__} cannot be pickled; scenes and lights have `save`")
+
+    def __del__(self) -> None:
+        handle = self.__dict__.pop("_handle", None)
+        if handle is not None:
+            handle.release()
+
+
+class Object(Owner):
+    """What is made with a context."""
+
+    _made_by = ""
+
+    def __init__(self, context: Optional[Context] = None, handle: Optional[Handle] = None):
+        if context is None or handle is None:
+            raise TypeError(f"a {type(self).__name__} is made by {self._made_by}")
         self._context, self._handle = context, handle
 
     @property
@@ -54,14 +81,9 @@ class Object:
     def _pointer(self) -> Any:
         return self._handle.pointer
 
-    def __del__(self) -> None:
-        handle = self.__dict__.pop("_handle", None)
-        if handle is not None:
-            handle.release()
-
 
 class _Listener:
-    """What the callbacks of a context know. It holds no context: neither would be freed before Python's collector runs."""
+    """What the callbacks of a context know. It does not hold the context, which would live until the collector runs."""
 
     def __init__(self, progress: Optional[Callable[[str, float], Optional[bool]]]):
         self.progress = progress
@@ -92,7 +114,7 @@ def _tell_log(handle: Any, level: int, message: Any) -> None:
     ffi.from_handle(handle).messages.append((level, ffi.string(message).decode("utf-8", "replace")))
 
 
-class Context:
+class Context(Owner):
     """Threads, progress and warnings of the objects that are made with it.
 
     Parameters
@@ -119,11 +141,6 @@ class Context:
 
     def __repr__(self) -> str:
         return f"<resolvent.Context at {id(self):#x}>"
-
-    def __del__(self) -> None:
-        handle = self.__dict__.pop("_handle", None)
-        if handle is not None:
-            handle.release()
 
     def cancel(self) -> None:
         """Stops the calls that run now, in other threads: they raise Cancelled."""
@@ -171,9 +188,17 @@ class Context:
             raise error
         for level, message in messages:
             if level == lib.RSV_LOG_WARNING:
-                warnings.warn(message, ResolventWarning, stacklevel=4)
+                warnings.warn(message, ResolventWarning, stacklevel=_level_of_caller())
             else:
                 _logger.info("%s", message)
+
+
+def _level_of_caller() -> int:
+    """For warnings: how far up the code is that called this package, seen from who asks."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def names_of(names: Any) -> List[str]:

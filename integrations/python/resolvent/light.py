@@ -60,6 +60,8 @@ class Light(Object):
     Made by `Scene.solve`, `Light.relight` or `Light.load`. Any number of threads may use it.
     """
 
+    _made_by = "Scene.solve, Light.relight or Light.load"
+
     #: Of `Scene.solve(error=...)`: the certificate of the solution, and why refining ended; else None.
     certificate: Optional[Certificate] = None
     error_stop: Optional[str] = None
@@ -181,9 +183,11 @@ class Light(Object):
         """
         given, shape = probes(points, normals, self.scene.origin)
         readings = np.empty((len(given), 6), np.float32)
-        self._context.call(lib.rsv_probe_irradiance, self._pointer, choice("mode", mode, PROBE_MODES),
-                           pointer("rsv_probe", given), len(given), count("samples", samples, least=1),
-                           count("seed", seed), pointer("rsv_probe_reading", readings))
+        desc = ffi.new("rsv_probe_desc *", lib.rsv_default_probe_desc())
+        desc.mode, desc.seed = choice("mode", mode, PROBE_MODES), count("seed", seed)
+        desc.samples = count("samples", samples, least=1)
+        self._context.call(lib.rsv_probe_irradiance, self._pointer, desc, pointer("rsv_probe", given), len(given),
+                           pointer("rsv_probe_reading", readings))
         return split_readings(readings, shape, return_error)
 
     @overload

@@ -12,7 +12,7 @@ from .context import Context, Object, count, default_context, names_of
 from .images import Path, file_name
 from .rendering import Layered, render_desc, rendered
 from .solving import Wishes
-from .things import Camera, Environment, Material, Mesh, PunctualLight, Texture, text
+from .things import Camera, Environment, Fog, Material, Mesh, PunctualLight, Texture, text
 
 if TYPE_CHECKING:
     from .light import Light
@@ -26,16 +26,20 @@ class Scene(Object):
     Made by `Scene.load`, `Scene.builtin` or `Scene.from_meshes`.
     """
 
+    _made_by = "Scene.load, Scene.builtin or Scene.from_meshes"
+
     # ---- making one --------------------------------------------------------------------------------
 
     @classmethod
-    def load(cls, path: Path, *, environment: Any = None, metres_per_unit: float = 1.0, up: str = "y",
-             crease_angle: float = np.pi / 4, context: Optional[Context] = None) -> Scene:
+    def load(cls, path: Path, *, environment: Any = None, fog: Optional[Fog] = None,
+             metres_per_unit: float = 1.0, up: str = "y", crease_angle: float = np.pi / 4,
+             context: Optional[Context] = None) -> Scene:
         """Reads glTF 2.0 (.gltf, .glb), .obj, .ply, .fbx, .dae or .stl.
 
         Parameters
         ----------
         environment : an Environment, or what its `source` may be; None = the file's own
+        fog : what the air holds; scenes with fog are for `reference` and `reference_irradiance` alone
         metres_per_unit, up : of .obj, .ply and .stl, which say neither
         crease_angle : radians; meshes without normals are shaded smooth across flatter edges (glTF apart)
         """
@@ -45,11 +49,11 @@ class Scene(Object):
         desc.up, desc.crease_angle = choice("up", up, AXES), number("crease_angle", crease_angle)
         handle = context.create(lib.rsv_scene_load_with, "rsv_scene", lib.rsv_scene_destroy, None,
                                 context._handle.pointer, file_name("path", path), desc)
-        return cls(context, handle)._surrounded(environment)
+        return cls(context, handle)._surrounded(environment)._filled(fog)
 
     @classmethod
-    def builtin(cls, name: str, *, environment: Any = None, body: Optional[Scene] = None, body_triangles: int = 60000,
-                context: Optional[Context] = None) -> Scene:
+    def builtin(cls, name: str, *, environment: Any = None, fog: Optional[Fog] = None, body: Optional[Scene] = None,
+                body_triangles: int = 60000, context: Optional[Context] = None) -> Scene:
         """A built-in scene: "cornell-spheres", "gallery:4", "terraces:1e5", ... (`Scene.builtin_names()`).
 
         `body` is a scene whose triangles take the place of the scene's own body, where it has one.
@@ -61,7 +65,7 @@ class Scene(Object):
             desc.body = body._pointer
         handle = context.create(lib.rsv_scene_builtin_with, "rsv_scene", lib.rsv_scene_destroy, None,
                                 context._handle.pointer, text("name", name), desc)
-        return cls(context, handle)._surrounded(environment)
+        return cls(context, handle)._surrounded(environment)._filled(fog)
 
     @staticmethod
     def builtin_names() -> List[str]:
@@ -70,7 +74,7 @@ class Scene(Object):
 
     @classmethod
     def from_meshes(cls, meshes: Union[Mesh, Iterable[Mesh]], *, lights: Iterable[PunctualLight] = (),
-                    cameras: Iterable[Camera] = (), environment: Any = None,
+                    cameras: Iterable[Camera] = (), environment: Any = None, fog: Optional[Fog] = None,
                     context: Optional[Context] = None) -> Scene:
         """A scene of arrays, which are copied. Without a camera it gets one named "framing" that shows all of it."""
         context = context or default_context()
@@ -84,7 +88,7 @@ class Scene(Object):
         for camera in cameras:
             context.call(lib.rsv_scene_add_camera, handle.pointer, camera._described(builder.keep))
         context.call(lib.rsv_scene_commit, handle.pointer)
-        return scene._surrounded(environment)
+        return scene._surrounded(environment)._filled(fog)
 
     def _surrounded(self, environment: Any) -> Scene:
         if environment is None:
@@ -103,6 +107,14 @@ class Scene(Object):
             "name": name, "pixels": pointer("rsv_rgb", pixels), "height": pixels.shape[0], "width": pixels.shape[1],
             "intensity": intensity, "rotation": rotation})
         self._context.call(lib.rsv_scene_set_environment, self._pointer, struct)
+        return self
+
+    def _filled(self, fog: Optional[Fog]) -> Scene:
+        if fog is None:
+            return self
+        if not isinstance(fog, Fog):
+            raise TypeError(f"fog: {type(fog).__name__} is not a Fog")
+        self._context.call(lib.rsv_scene_set_fog, self._pointer, fog._described())
         return self
 
     # ---- what is in it -----------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._native import ffi, lib
-from .arrays import ArrayLike, check_finite, choice, floats, number, pointer, real, rgb
+from .arrays import ArrayLike, check_finite, check_shape, choice, floats, number, pointer, real, rgb
 from .context import count, names_of
 
 Rgb = Union[float, Sequence[float]]
@@ -315,6 +315,39 @@ class Camera:
             "vertical_fov": _angle(where + "vertical_fov", self.vertical_fov, 3.1),
             "vertical_extent": number(where + "vertical_extent", self.vertical_extent),
             "aspect": number(where + "aspect", self.aspect)})
+
+
+@dataclasses.dataclass
+class Fog:
+    """A participating medium between surfaces: it absorbs, scatters and emits (rsv_fog in scene.h).
+
+    `extinction` is in 1/m and `emission` in W/(sr m3), both at `base_height` (y in metres) and below; above, they fall
+    to 1/e over `scale_height` metres. `albedo` is that of single scattering, `anisotropy` the mean cosine of Henyey and
+    Greenstein's phase function. `bounds`, (2, 3) metres, is the box that it fills; None = all that there is.
+    """
+
+    extinction: Rgb
+    albedo: Rgb = 1.0
+    anisotropy: float = 0.0
+    emission: Rgb = 0.0
+    scale_height: float = float("inf")
+    base_height: float = 0.0
+    bounds: Optional[ArrayLike] = None
+
+    def _described(self) -> Any:
+        fog = ffi.new("rsv_fog *", lib.rsv_default_fog())
+        fog.extinction, fog.albedo = rgb("fog: extinction", self.extinction), rgb("fog: albedo", self.albedo)
+        fog.anisotropy, fog.emission = number("fog: anisotropy", self.anisotropy), rgb("fog: emission", self.emission)
+        fog.base_height = number("fog: base_height", self.base_height)
+        if self.scale_height != float("inf"):
+            fog.scale_height = number("fog: scale_height", self.scale_height)
+        if self.bounds is not None:
+            box = real("fog: bounds", self.bounds)
+            check_shape("fog: bounds", box, (2, 3))
+            if not (box[0] < box[1]).all():  # NaN, too
+                raise ValueError("fog: bounds[0] is not below bounds[1]")
+            fog.bounds_min, fog.bounds_max = tuple(box[0].tolist()), tuple(box[1].tolist())
+        return fog
 
 
 @dataclasses.dataclass

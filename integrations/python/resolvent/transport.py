@@ -31,8 +31,12 @@ class Operator(Object):
     there are none. Channels do not mix.
     """
 
-    def __init__(self, context: Context, handle: Handle, scene: Scene):
+    _made_by = "Light.operator"
+
+    def __init__(self, context: Optional[Context] = None, handle: Optional[Handle] = None,
+                 scene: Optional[Scene] = None):
         super().__init__(context, handle)
+        assert scene is not None
         self._scene = scene
         self._known: Dict[Tuple[str, int], Any] = {}
 
@@ -103,13 +107,13 @@ class Operator(Object):
         from scipy import sparse
 
         given, _ = probes(points, normals, self._scene.origin)
-        element, weight = np.empty((len(given), 3), np.uint32), np.empty((len(given), 3), np.float32)
+        around = np.empty((len(given), 6), np.uint32)  # rsv_element_weights
         self._context.call(lib.rsv_operator_locate_probes, self._pointer, pointer("rsv_probe", given), len(given),
-                           ffi.cast("uint32_t (*)[3]", element.ctypes.data),
-                           ffi.cast("float (*)[3]", weight.ctypes.data))
-        rows = np.arange(0, 3 * len(given) + 1, 3)
-        shape = (len(given), self.element_count)
-        return sparse.csr_matrix((weight.ravel(), element.ravel().astype(np.int64), rows), shape)
+                           pointer("rsv_element_weights", around))
+        element, weight = around[:, :3], around[:, 3:].view(np.float32)
+        row, corner = np.nonzero(weight)
+        places = row, element[row, corner].astype(np.int64)
+        return sparse.csr_matrix((weight[row, corner], places), (len(given), self.element_count))
 
     # ---- applied by the library --------------------------------------------------------------------
 
@@ -165,7 +169,8 @@ class Operator(Object):
         from scipy import sparse
 
         c, g = self.factor("interpolation", channel), self.factor("propagation", channel)
-        a = sparse.diags(self.albedo[:, channel].astype(np.float64))
+        every = np.arange(self.element_count)
+        a = sparse.csr_matrix((self.albedo[:, channel].astype(np.float64), (every, every)), g.shape)
         s, m = self.factor("subsurface", channel), self.factor("clusters", channel)
         if m.shape[0] == m.shape[1]:  # nothing is translucent
             return c, g, a, c

@@ -126,7 +126,7 @@ class Warnings(unittest.TestCase):
         mesh = Mesh(CUBE, INWARDS, material=Material(roughness=7, name="cork"))
         with self.assertWarnsRegex(resolvent.ResolventWarning, "cork") as caught:
             Scene.from_meshes(mesh)
-        del caught
+        self.assertEqual(caught.filename, __file__)  # where the package was called, not the package
         with warnings.catch_warnings():
             warnings.simplefilter("error", resolvent.ResolventWarning)
             with self.assertRaisesRegex(resolvent.ResolventWarning, "cork"):

@@ -1,9 +1,12 @@
 """Solved light against exact answers, against itself, and wrong requests."""
+import copy
 import gc
 import os
+import pickle
 import tempfile
 import unittest
 import warnings
+import weakref
 
 import numpy as np
 
@@ -180,6 +183,14 @@ class Files(unittest.TestCase):
         operator = lamps().solve("draft", **SMALL).operator
         gc.collect()
         self.assertGreater(operator.norm(), 0.3)
+        shallow = copy.copy(operator)
+        del operator
+        gc.collect()
+        self.assertGreater(shallow.norm(), 0.3)
+        context = resolvent.Context()
+        gone = weakref.ref(context)
+        del context
+        self.assertIsNone(gone())
         cycle = [lamps()]
         cycle.append(cycle)
         del cycle
@@ -252,6 +263,9 @@ class Mistakes(unittest.TestCase):
         self.refuses(resolvent.ArgumentError, "", relight, {"white": -1})
         self.refuses(resolvent.ArgumentError, "", relight, env_rotation=90)
         self.refuses(ValueError, "move", relight, move={"white": (1, 2)})
+        self.refuses(TypeError, "made by Scene.solve", Light)
+        self.refuses(TypeError, "made by Scene.load", Scene)
+        self.refuses(TypeError, "pickled", pickle.dumps, solved_lamps())
         self.refuses(TypeError, "no option 'size'", solved_lamps().bake, "a.glb", size=3)
         self.refuses(ValueError, "there are .*vertex", solved_lamps().bake, "a.glb", "vertices")
 

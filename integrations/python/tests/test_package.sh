@@ -19,15 +19,15 @@ skip() {
 }
 
 [[ -e $build/integrations/python/_native.abi3.so ]] || skip "the Python package is not built; it needs python3-dev and python3-cffi"
-$python -c 'import cffi, numpy, scipy, setuptools, wheel, venv, ensurepip' 2>/dev/null ||
-    skip "one of python3-cffi, -numpy, -scipy, -setuptools, -wheel, -venv is not installed"
+$python -c 'import cffi, numpy, scipy, setuptools, wheel, venv, pip' 2>/dev/null ||
+    skip "one of python3-cffi, -numpy, -scipy, -setuptools, -wheel, -venv, -pip is not installed"
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 
 wheel=$(bash "$here/../make_wheel.sh" "$build" "$work/wheels") || complain "no wheel is made"
-[[ $wheel == *-cp38-abi3-manylinux_*.whl ]] || complain "its name says that it is for some versions of Python alone: $wheel"
+[[ $wheel == *-cp36-abi3-manylinux_*.whl ]] || complain "its name says that it is for some versions of Python alone: $wheel"
 
 # whether what is loaded lies in the wheel, but for what every Linux has
 mkdir unpacked
@@ -39,16 +39,14 @@ env -i ldd unpacked/resolvent/_native.abi3.so |
 [[ -n $(ls unpacked/resolvent/licences) ]] || complain "licences of libraries are missing"
 
 # an older Python is told so
-for old in 3.7 3.6; do
-    $python -m pip download --quiet --no-deps --only-binary :all: --python-version $old --dest old "$wheel" >log 2>&1 &&
-        complain "Python $old gets it"
-    grep -q -i -e 'not a supported wheel' -e 'requires a different python' log ||
-        complain "Python $old is not told why it does not get it: $(tail -n 1 log)"
-done
+$python -m pip download --quiet --no-deps --only-binary :all: --python-version 3.7 --dest old "$wheel" >log 2>&1 &&
+    complain "Python 3.7 gets it"
+grep -q -i 'requires a different python: 3.7' log ||
+    complain "Python 3.7 is not told why it does not get it: $(tail -n 1 log)"
 
 # a clean environment, into which cffi, numpy and scipy come from the system
-$python -m venv --system-site-packages venv >log 2>&1 || complain "no environment: $(tail -n 1 log)"
-venv/bin/pip install --quiet "$wheel" >log 2>&1 || complain "it cannot be installed: $(tail -n 3 log)"
+$python -m venv --system-site-packages --without-pip venv >log 2>&1 || complain "no environment: $(tail -n 1 log)"
+$python -m pip --python venv/bin/python install --quiet "$wheel" >log 2>&1 || complain "it cannot be installed: $(tail -n 3 log)"
 rm -rf unpacked
 venv/bin/python -c 'import resolvent; print("resolvent", resolvent.__version__)' || complain "it cannot be imported"
 

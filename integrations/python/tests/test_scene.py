@@ -7,7 +7,7 @@ import numpy as np
 
 import resolvent
 from fixtures import CUBE, INWARDS, SMALL, UP, furnace, lamps
-from resolvent import Camera, Environment, Material, Mesh, PunctualLight, Scene, Texture
+from resolvent import Camera, Environment, Fog, Material, Mesh, PunctualLight, Scene, Texture
 
 
 class Arrays(unittest.TestCase):
@@ -71,6 +71,17 @@ class Arrays(unittest.TestCase):
             reading = scene.reference_irradiance([0.5, 0.001, 0.5], UP, samples=256)
             np.testing.assert_allclose(reading, [np.pi] * 3, rtol=0.01)
             self.assertEqual(scene.environment.source.shape[2], 3)
+
+    def test_fog_takes_what_it_absorbs(self):
+        corners = [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 0, 0]]
+        floor = Mesh(corners, [[0, 1, 2], [0, 2, 3]], material=Material.lambert(0.5))
+        sun = PunctualLight("directional", np.pi)
+        fog = Fog((0.5, 1, 2), albedo=0, bounds=[[-9, 0.5, -9], [9, 2.5, 9]])
+        scene = Scene.from_meshes(floor, lights=[sun], fog=fog)
+        reading = scene.reference_irradiance([0.5, 0, 0.5], UP, samples=4096)
+        np.testing.assert_allclose(reading, np.pi * np.exp(-2 * np.array([0.5, 1, 2])), rtol=0.02)  # Beer and Lambert
+        with self.assertRaises(resolvent.UnsupportedError):
+            scene.solve("draft")
 
     def test_files(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -140,6 +151,9 @@ class Mistakes(unittest.TestCase):
                                ("outer_cone_angle", PunctualLight("spot", outer_cone_angle=4))):
             self.refuses(ValueError, pattern, Scene.from_meshes, room, lights=[light])
         self.refuses(ValueError, "target", Scene.from_meshes, room, cameras=[Camera((0, 0, 0), (0, 0, 0))])
+        self.refuses(ValueError, "fog: bounds", Scene.from_meshes, room, fog=Fog(1, bounds=[[0, 0, 0], [1, 0, 1]]))
+        self.refuses(resolvent.ArgumentError, "extinction", Scene.from_meshes, room, fog=Fog(-1))
+        self.refuses(TypeError, "not a Fog", Scene.from_meshes, room, fog=1)
         self.refuses(ValueError, "environment", Scene.from_meshes, room, environment=np.ones((4, 8)))
 
     def test_files(self):

@@ -1,0 +1,41 @@
+/// How bright pictures of 8 bits are: as asked for by --exposure, else as it shows a scene that came from a file. Built-in scenes are
+/// lit for an exposure of 0.
+#ifndef CLI_EXPOSURE_H
+#define CLI_EXPOSURE_H
+
+#include "options.h"
+#include "subject.h"
+
+#include "resolvent/image.h"
+#include "resolvent/render.h"
+
+#include <math.h>
+
+/// Stands for an option that was not given.
+#define CLI_AUTO_EXPOSURE NAN
+
+/// The option --exposure for a command's table. @param stops float *, CLI_AUTO_EXPOSURE before
+#define CLI_EXPOSURE_OPTION(stops)                                                                 \
+    {                                                                                              \
+        .name = "--exposure", .kind = CLI_REAL, .value = (stops), .min = -64, .max = 64            \
+    }
+
+#define CLI_EXPOSURE_HELP                                                                          \
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default: of scenes from files what shows\n"   \
+    "                     them well, said in a note; of built-in ones 0)\n"
+
+/// Whether the exposure is to be found: none was asked for, and the scene is no built-in one, solved or not.
+/// @param name of the scene or operator file
+bool cli_exposes(cli_session *session, const char *name, float asked);
+
+/// The exposure of a picture, and a note that says it. @param wanted whether it is to be found; else `asked`, or 0
+float cli_expose(cli_session *session, bool wanted, float asked, const rsv_image *image);
+
+/// The same by a small picture of a solved scene, in mode operator. @param stops out; 0 unless `wanted` or asked for
+rsv_status cli_expose_light(
+    cli_session *session, bool wanted, const rsv_light *light, uint32_t camera, float *stops);
+
+/// Whether a .png is among the outputs.
+bool cli_writes_png(const cli_list *outputs);
+
+#endif

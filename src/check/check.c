@@ -1,0 +1,114 @@
+/// The scene as a whole, and faces that lie in the same place.
+#include "check_internal.h"
+
+#include "../core/vec.h"
+#include "../scene/twins.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+enum { MOST_OF_A_KIND = 8 };
+
+#define TINY 0.05f ///< metres of a scene's diagonal
+#define VAST 2e4f  ///< likewise
+
+const char *rsv_mistake_name(rsv_mistake mistake)
+{
+    static const char *const names[RSV_MISTAKES] = { "scale", "no_light", "backs", "flipped_faces",
+        "doubled_faces", "open_seams", "leaks" };
+    return (unsigned)mistake < RSV_MISTAKES ? names[mistake] : "unknown";
+}
+
+rsv_status rsv_check_tell(
+    rsv_checker *c, const rsv_finding *finding, const char *where, const char *format, ...)
+{
+    rsv_status status;
+    va_list arguments;
+    if (c->told[finding->mistake]++ >= MOST_OF_A_KIND) return RSV_OK;
+    RSV_TRY(
+        rsv_grow(c->context, (void **)&c->finding, &c->capacity, c->count + 1, sizeof *c->finding));
+    rsv_finding *added = &c->finding[c->count++];
+    *added = *finding;
+    snprintf(added->where, sizeof added->where, "%s", where);
+    va_start(arguments, format);
+    vsnprintf(added->text, sizeof added->text, format, arguments);
+    va_end(arguments);
+cleanup:
+    return status;
+}
+
+static rsv_status check_scale(rsv_checker *c)
+{
+    float size = v3_length(v3_sub(c->view->bounds_max, c->view->bounds_min));
+    const rsv_finding found = { .mistake = RSV_MISTAKE_SCALE, .amount = (double)size };
+    if (c->view->triangle_count == 0 || (size >= TINY && size <= VAST)) return RSV_OK;
+    return rsv_check_tell(c, &found, "",
+        "the scene is %.3g m from corner to corner: is its unit what its exporter wrote? lights of "
+        "so many watts are meant for metres",
+        (double)size);
+}
+
+static bool shines(const rsv_scene_view *view)
+{
+    for (size_t t = 0; t < view->triangle_count; t++)
+        if (!rgb_is_black(view->material[view->triangle_material[t]].emission)) return true;
+    for (size_t k = 0; k < view->light_count; k++)
+        if (!rgb_is_black(view->light[k].intensity)) return true;
+    return view->environment != NULL;
+}
+
+static rsv_status check_light(rsv_checker *c)
+{
+    const rsv_finding found = { .mistake = RSV_MISTAKE_NO_LIGHT };
+    if (shines(c->view)) return RSV_OK;
+    return rsv_check_tell(c, &found, "",
+        "nothing shines: no lamp, no emission, no surroundings; export lights, or use --env sky");
+}
+
+static rsv_status check_doubled(rsv_checker *c)
+{
+    rsv_status status = RSV_OK;
+    const rsv_scene_view *view = c->view;
+    if (!view->twins) return RSV_OK;
+    size_t *doubled = rsv_alloc(c->context, view->object_count, sizeof *doubled);
+    if (!doubled) return RSV_ERROR_MEMORY;
+    for (size_t t = 0; t < view->triangle_count; t++)
+        doubled[view->triangle_object[t]] += (view->twins->flags[t] & RSV_TWIN_COPY) != 0;
+    for (size_t k = 0; k < view->object_count; k++) {
+        const rsv_finding found = { .mistake = RSV_MISTAKE_DOUBLED_FACES, .count = doubled[k] };
+        if (doubled[k])
+            RSV_TRY(rsv_check_tell(c, &found, view->object_name[k],
+                "object '%.100s': %zu faces lie in the same place as others; delete the copies",
+                view->object_name[k], doubled[k]));
+    }
+cleanup:
+    rsv_free(c->context, doubled);
+    return status;
+}
+
+rsv_status rsv_scene_check(const rsv_scene *scene, rsv_finding **findings, size_t *count)
+{
+    rsv_status status;
+    rsv_checker c = {
+        .context = rsv_scene_get_context(scene), .scene = scene, .view = rsv_scene_get_view(scene)
+    };
+    *findings = NULL;
+    *count = 0;
+    if (!c.view) return rsv_fail(RSV_ERROR_ARGUMENT, "check: the scene is not committed");
+    RSV_TRY(check_scale(&c));
+    RSV_TRY(check_light(&c));
+    RSV_TRY(rsv_check_views(&c));
+    RSV_TRY(rsv_check_edges(&c));
+    RSV_TRY(check_doubled(&c));
+    *findings = c.finding;
+    *count = c.count;
+    c.finding = NULL;
+cleanup:
+    rsv_free(c.context, c.finding);
+    return status;
+}
+
+void rsv_findings_release(const rsv_scene *scene, rsv_finding *findings)
+{
+    rsv_free(rsv_scene_get_context(scene), findings);
+}

@@ -1,0 +1,150 @@
+/// Edges of an object's triangles, by the places of their ends: vertices that lie in the same place count as one.
+#include "check_internal.h"
+
+#include "../core/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// Edges this part of the object's size apart are meant to be one.
+#define SEAM 1e-4f
+/// Neighbours along x that an edge is compared with at most: a heap of edges takes no quadratic time.
+enum { MOST_COMPARED = 64 };
+
+/// An edge from the smaller place to the larger one.
+typedef struct edge {
+    rsv_vec3 a, b;
+    uint32_t object;
+    bool turned; ///< its triangle has it the other way round
+} edge;
+
+static int compare_places(rsv_vec3 p, rsv_vec3 q)
+{
+    if (p.x != q.x) return p.x < q.x ? -1 : 1;
+    if (p.y != q.y) return p.y < q.y ? -1 : 1;
+    return p.z != q.z ? (p.z < q.z ? -1 : 1) : 0;
+}
+
+static int compare_edges(const void *p, const void *q)
+{
+    const edge *e = p, *f = q;
+    if (e->object != f->object) return e->object < f->object ? -1 : 1;
+    int order = compare_places(e->a, f->a);
+    if (!order) order = compare_places(e->b, f->b);
+    return order ? order : (int)e->turned - (int)f->turned;
+}
+
+/// @param edges [3 * triangle_count], sorted
+static void list_edges(const rsv_scene_view *view, edge *edges)
+{
+    for (size_t k = 0; k < 3 * view->triangle_count; k++) {
+        const uint32_t *corner = view->triangle[k / 3];
+        rsv_vec3 from = view->position[corner[k % 3]], to = view->position[corner[(k + 1) % 3]];
+        bool turned = compare_places(from, to) > 0;
+        edges[k] =
+            (edge){ turned ? to : from, turned ? from : to, view->triangle_object[k / 3], turned };
+    }
+    qsort(edges, 3 * view->triangle_count, sizeof *edges, compare_edges);
+}
+
+static bool is_same_edge(const edge *e, const edge *f)
+{
+    return e->object == f->object && compare_places(e->a, f->a) == 0 &&
+           compare_places(e->b, f->b) == 0;
+}
+
+/// Edges of an object in a sorted list, and what is wrong with them.
+typedef struct object_edges {
+    edge *border; ///< [border_count] those of a single triangle
+    size_t border_count, inner, flipped;
+    rsv_vec3 low, high;
+} object_edges;
+
+/// @param first, end of the object's in `edges`, whose beginning takes the border
+static object_edges sort_out(edge *edges, size_t first, size_t end)
+{
+    object_edges o = { .border = edges + first, .low = edges[first].a, .high = edges[first].a };
+    for (size_t k = first; k < end;) {
+        size_t next = k + 1;
+        while (next < end && is_same_edge(&edges[k], &edges[next]))
+            next++;
+        o.low = v3_min(o.low, v3_min(edges[k].a, edges[k].b));
+        o.high = v3_max(o.high, v3_max(edges[k].a, edges[k].b));
+        if (next - k == 2) {
+            o.inner++;
+            o.flipped += edges[k].turned == edges[k + 1].turned;
+        }
+        if (next - k == 1) o.border[o.border_count++] = edges[k];
+        k = next;
+    }
+    return o;
+}
+
+static float distance(rsv_vec3 p, rsv_vec3 q) { return v3_max_abs(v3_sub(p, q)); }
+
+/// Edges of the border that lie beside another one without being it. They are sorted by the x of their beginning.
+/// @param widest out: metres between such edges at most
+static size_t count_seams(const object_edges *o, float *widest)
+{
+    float reach = SEAM * v3_max_abs(v3_sub(o->high, o->low));
+    size_t seams = 0;
+    *widest = 0;
+    for (size_t k = 0; k < o->border_count; k++) {
+        const edge *e = &o->border[k];
+        size_t last = k + MOST_COMPARED < o->border_count ? k + MOST_COMPARED : o->border_count;
+        for (size_t i = k + 1; i < last && o->border[i].a.x - e->a.x <= reach; i++) {
+            const edge *f = &o->border[i];
+            float straight = f_max(distance(e->a, f->a), distance(e->b, f->b));
+            float across = f_max(distance(e->a, f->b), distance(e->b, f->a));
+            float apart = f_min(straight, across);
+            if (apart > reach || distance(e->a, e->b) <= 2 * reach) continue;
+            *widest = f_max(*widest, apart);
+            seams++;
+            break;
+        }
+    }
+    return seams;
+}
+
+static rsv_status tell(rsv_checker *c, const object_edges *o, uint32_t object)
+{
+    rsv_status status = RSV_OK;
+    float widest;
+    const char *name = c->view->object_name[object];
+    const rsv_finding flipped = { .mistake = RSV_MISTAKE_FLIPPED_FACES, .count = o->flipped };
+    if (o->flipped)
+        RSV_TRY(rsv_check_tell(c, &flipped, name,
+            "object '%.100s': across %zu of its %zu inner edges faces turn different ways; "
+            "recalculate its normals",
+            name, o->flipped, o->inner));
+    size_t seams = count_seams(o, &widest);
+    const rsv_finding open = {
+        .mistake = RSV_MISTAKE_OPEN_SEAMS, .count = seams, .amount = (double)widest
+    };
+    if (seams)
+        RSV_TRY(rsv_check_tell(c, &open, name,
+            "object '%.100s': %zu edges lie beside others, up to %.2g m apart, without sharing "
+            "vertices; merge vertices by distance",
+            name, seams, (double)widest));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_check_edges(rsv_checker *c)
+{
+    rsv_status status = RSV_OK;
+    size_t count = 3 * c->view->triangle_count;
+    edge *edges = rsv_alloc(c->context, count, sizeof *edges);
+    if (!edges) return RSV_ERROR_MEMORY;
+    list_edges(c->view, edges);
+    for (size_t first = 0, end; first < count; first = end) {
+        uint32_t object = edges[first].object;
+        for (end = first; end < count && edges[end].object == object;)
+            end++;
+        const object_edges o = sort_out(edges, first, end);
+        RSV_TRY(tell(c, &o, object));
+    }
+cleanup:
+    rsv_free(c->context, edges);
+    return status;
+}

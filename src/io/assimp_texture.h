@@ -1,0 +1,30 @@
+/// Textures of materials that Assimp read.
+#ifndef RSV_ASSIMP_TEXTURE_H
+#define RSV_ASSIMP_TEXTURE_H
+
+#include "assimp_file.h"
+#include "scene_parts.h"
+
+#define RSV_ASSIMP_MOST_TEXTURES 4 ///< of a material: as many as there are roles here
+
+/// Those that were sent so far: each once, however many materials use it.
+typedef struct rsv_assimp_textures {
+    rsv_context *context;
+    const struct aiScene *file;
+    rsv_file_kind kind;
+    FILE *to;
+    rsv_part_texture *sent; ///< [count], their names owned
+    size_t count, capacity;
+} rsv_assimp_textures;
+
+/// Sends the textures of a material that were not sent, and lets the material refer to them by their numbers. Where the format
+/// has a texture replace a colour, that becomes white. A warning names what is not used.
+/// @param ref storage for material->textures
+rsv_status rsv_assimp_take_textures(rsv_assimp_textures *textures, const struct aiMaterial *source,
+    rsv_texture_ref ref[RSV_ASSIMP_MOST_TEXTURES], rsv_material *material);
+void rsv_assimp_textures_release(rsv_assimp_textures *textures);
+
+/// One set of texture coordinates, v running down. @return NULL = there is none, or no memory
+float (*rsv_assimp_coordinates(rsv_context *context, const struct aiMesh *mesh, unsigned set))[2];
+
+#endif

@@ -1,0 +1,39 @@
+/// Textures from the bytes of picture files, whatever their format.
+#ifndef RSV_TEXTURE_IMAGE_H
+#define RSV_TEXTURE_IMAGE_H
+
+#include "image_internal.h"
+#include "resolvent/scene.h"
+
+/// What a picture file is to become.
+typedef struct rsv_texture_source {
+    rsv_image_file file; ///< its path is the texture's name too
+    bool srgb;           ///< codes are colours; pictures of radiance (.hdr, .exr) have none
+    bool shines;         ///< values above 1 stay; else they are cut off
+    bool grey_is_alpha;  ///< where there is no alpha the mean of the colours is
+    bool nearest;
+    rsv_wrap wrap_u, wrap_v;
+} rsv_texture_source;
+
+/// Decodes PNG (8 and 16 bits), JPEG, WebP, HDR and EXR, by their first bytes, and adds a texture. RSV_ERROR_FORMAT, naming the file,
+/// for what cannot be read. @param id out
+rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id);
+
+/// Reads a whole file. @param file out: its bytes are to be freed by rsv_free, also after a failure
+rsv_status rsv_image_file_read(rsv_context *context, const char *path, rsv_image_file *file);
+
+/// WebP as 8-bit codes: three channels, four where it has alpha. As rsv_image_decode_codes.
+rsv_status rsv_image_decode_webp(const rsv_image_file *file, rsv_image_codes *codes);
+/// The same as a picture; alpha is left out.
+rsv_status rsv_image_decode_webp_picture(
+    rsv_context *context, const rsv_image_file *file, rsv_image **image);
+bool rsv_image_is_webp(const rsv_image_file *file);
+
+/// PNG of 16 bits a channel as such codes. @param code out: [height * width * channels] 0..65535, to be freed by
+/// rsv_image_free_codes16
+rsv_status rsv_image_decode_codes16(
+    const rsv_image_file *file, uint16_t **code, rsv_image_codes *size);
+void rsv_image_free_codes16(uint16_t *code);
+bool rsv_image_is_16_bit(const rsv_image_file *file);
+
+#endif
