@@ -34,7 +34,10 @@ typedef struct rsv_solve_desc {
     uint32_t
         element_target; ///< wanted number of coarse elements; meshes finer than that keep theirs
     uint32_t rays_per_element; ///< gather rays of one row of G; a power of two, 64..4096
-    uint32_t refinements;      ///< pilot solutions that show where coarse elements must be split
+    /// Rays of all rows together at least: rows that are few, which cost little, get up to 8 times as many as
+    /// `rays_per_element`, where no `max_bytes` counts them; 0 (default) = any number will do.
+    uint64_t row_rays;
+    uint32_t refinements; ///< pilot solutions that show where coarse elements must be split
     /// Part of the usual elements that are spent where surfaces meet or cut through each other, to 1; 0 (default) = all.
     float contact_share;
     uint32_t light_samples; ///< shadow rays per element and next-event estimate; a power of two
@@ -85,6 +88,7 @@ typedef struct rsv_solve_report {
     size_t elements;        ///< coarse elements: unknowns of the linear system
     size_t direct_elements; ///< elements of the direct and caustic levels
     size_t rows;            ///< coarse elements with a row of their own: the others follow or hang
+    uint32_t rays_per_row;  ///< fewer than wanted to keep a budget, more by `row_rays`
     size_t entries;         ///< stored entries of G
     size_t bytes;           ///< of the elements of all levels, with one field each, and of G and K
     uint64_t rays;          ///< traced during assembly

@@ -564,6 +564,10 @@ rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
     if (!w.view->triangle_count)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "%s: the scene must be committed before it is written", path);
+    if (w.view->fog)
+        rsv_log(w.context, RSV_LOG_WARNING,
+            "%s: the scene's fog is not written, glTF has no place for it; give it anew (--fog)",
+            path);
     RSV_TRY(rsv_atomic_file_open(&file, path));
     RSV_TRY(prepare(&w, path, &json, &e));
     write_chunks(&w, json, &e, &(sink){ .file = &file });

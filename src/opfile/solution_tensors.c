@@ -39,6 +39,7 @@ static const rsv_field report_fields[] = {
     REPORT_FIELD(RSV_FIELD_U64, elements),
     REPORT_FIELD(RSV_FIELD_U64, direct_elements),
     REPORT_FIELD(RSV_FIELD_U64, rows),
+    REPORT_FIELD(RSV_FIELD_U32, rays_per_row),
     REPORT_FIELD(RSV_FIELD_U64, entries),
     REPORT_FIELD(RSV_FIELD_U64, rays),
     REPORT_FIELD(RSV_FIELD_U32, iterations),

@@ -8,13 +8,15 @@
 
 typedef struct four_pictures {
     const rsv_rgb *a[2], *b[2];
-    int width, height;
+    int width, height, around;
     double floor, most;
+    bool by_a;
 } four_pictures;
 
 static double luminance_of(const four_pictures *p, size_t pixel)
 {
     rsv_rgb a = rgb_add(p->a[0][pixel], p->a[1][pixel]);
+    if (p->by_a) return 0.5 * (double)rgb_luminance(a);
     return 0.25 * (double)rgb_luminance(rgb_add(a, rgb_add(p->b[0][pixel], p->b[1][pixel])));
 }
 
@@ -30,22 +32,40 @@ static double local_luminance(const four_pictures *p, int x, int y)
     return sum / count;
 }
 
+/// Mean luminance of a - b of one pair over the pixels around one.
+static double difference_at(const four_pictures *p, int pair, int x, int y)
+{
+    double sum = 0, count = 0;
+    for (int j = y - p->around; j <= y + p->around; j++)
+        for (int i = x - p->around; i <= x + p->around; i++) {
+            if (i < 0 || j < 0 || i >= p->width || j >= p->height) continue;
+            size_t k = (size_t)j * p->width + i;
+            sum += (double)rgb_luminance(rgb_sub(p->a[pair][k], p->b[pair][k]));
+            count++;
+        }
+    return sum / count;
+}
+
 static double error_at(const four_pictures *p, int x, int y)
 {
-    size_t k = (size_t)y * p->width + x;
-    double product = (double)rgb_luminance(rgb_sub(p->a[0][k], p->b[0][k])) *
-                     (double)rgb_luminance(rgb_sub(p->a[1][k], p->b[1][k]));
+    double product = difference_at(p, 0, x, y) * difference_at(p, 1, x, y);
     if (product == 0) return 0; // also where all is black
     double light = local_luminance(p, x, y);
     return fmax(fmin(product / (light * light + p->floor), p->most), -p->most);
 }
 
-double rsv_pixel_error(
-    const rsv_image *const a[2], const rsv_image *const b[2], double most, double *uncertainty)
+/// By how much the standard error of a mean over all pixels grows as squares of this edge overlap: products of two means
+/// correlate by the square of what their squares share.
+static double overlap(double edge) { return (2 * edge * edge + 1) / (3 * edge); }
+
+double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
+    rsv_pixel_error_desc desc, double *uncertainty)
 {
-    four_pictures p = {
-        .most = most, .width = (int)rsv_image_width(a[0]), .height = (int)rsv_image_height(a[0])
-    };
+    four_pictures p = { .most = desc.most,
+        .around = (int)desc.around,
+        .by_a = desc.by_a,
+        .width = (int)rsv_image_width(a[0]),
+        .height = (int)rsv_image_height(a[0]) };
     double count = (double)p.width * p.height, light = 0, sum = 0, squares = 0;
     for (int k = 0; k < 2; k++) {
         p.a[k] = rsv_image_const_pixels(a[k], 0);
@@ -60,6 +80,7 @@ double rsv_pixel_error(
             sum += error;
             squares += error * error;
         }
-    *uncertainty = sqrt(fmax(squares / count - sum * sum / count / count, 0) / count);
+    *uncertainty = sqrt(fmax(squares / count - sum * sum / count / count, 0) / count) *
+                   overlap(2.0 * desc.around + 1);
     return sum / count;
 }

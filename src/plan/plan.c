@@ -17,6 +17,9 @@
 #define MOST_ELEMENTS 1e6
 #define LEAST_RAYS 64
 #define MOST_RAYS 1024
+/// Noise of rows lies in blotches, which the eye sees before grain of the same size. Rows that have fewer rays than this for
+/// each pixel cost less than the picture: they get more of them.
+#define ROW_RAYS_PER_PIXEL 20.0
 /// Light paths for caustics, and the part of the usual elements where surfaces meet, that serve this error too. The noise of
 /// caustics falls with the paths; what contacts err, which lie along lines, with the root of their elements.
 #define USUAL_PHOTONS 250000
@@ -42,6 +45,9 @@
 #define DOUBTFUL_SHARE 0.25
 #define GENEROUS (2 * USUAL_ERROR)
 #define MOST_SAMPLES 4096
+/// What one place counts at most in a look at elements, and the pixels that it reaches to at most.
+#define MOST_OF_A_PLACE 4
+#define MOST_AROUND 2
 /// Estimates that exceed the wanted error by less count as that.
 #define TOLERANCE 1.15
 
@@ -64,7 +70,7 @@ rsv_status rsv_planner_solve(rsv_planner *p)
     rsv_light_destroy(p->light);
     p->light = light;
     p->plan.element_target = p->solve.element_target;
-    p->plan.rays_per_element = p->solve.rays_per_element;
+    p->plan.rays_per_element = rsv_light_report(light)->rays_per_row;
     p->plan.refinements = p->solve.refinements;
     p->plan.goal = p->solve.goal_camera != RSV_NONE;
     p->plan.rounds++;
@@ -117,6 +123,7 @@ static void choose_elements(rsv_planner *p)
     double elements = USUAL_ELEMENTS * sqrt(accuracy * detail);
     p->solve.element_target = (uint32_t)fmin(fmax(elements, LEAST_ELEMENTS), MOST_ELEMENTS);
     p->solve.rays_per_element = power_of_two(USUAL_RAYS * accuracy, LEAST_RAYS, MOST_RAYS);
+    p->solve.row_rays = (uint64_t)(ROW_RAYS_PER_PIXEL * pixels);
     p->solve.photon_count = photons_for(accuracy);
     p->solve.contact_share = contacts_for(accuracy);
     p->solve.refinements = 0;
@@ -151,6 +158,16 @@ static rsv_status take_first(rsv_planner *p)
     return status;
 }
 
+/// Elements err over areas of their own size. One gather ray per pixel mostly misses a small bright caustic, and its few hits
+/// outweigh all else: what is averaged has a few of them in most places.
+static rsv_pixel_error_desc about_elements(const rsv_planner *p)
+{
+    double pixels = (double)p->picture.width * p->picture.height;
+    double edge = sqrt(pixels / p->solve.element_target);
+    return (rsv_pixel_error_desc){ MOST_OF_A_PLACE, (uint32_t)fmin(fmax(edge / 2, 1), MOST_AROUND),
+        true };
+}
+
 /// Compares the first two passes with two of one more gather through the solution: what they find but for noise, elements
 /// err.
 static rsv_status look_at_elements(rsv_planner *p, uint32_t samples, double *uncertainty)
@@ -167,7 +184,8 @@ static rsv_status look_at_elements(rsv_planner *p, uint32_t samples, double *unc
     const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
     const rsv_image *const truth[2] = { gathered[0], gathered[1] };
     if (status == RSV_OK)
-        p->plan.elements_error = fmax(rsv_pixel_error(stored, truth, 1, uncertainty), 0);
+        p->plan.elements_error =
+            fmax(rsv_pixel_error(stored, truth, about_elements(p), uncertainty), 0);
     rsv_image_destroy(gathered[0]);
     rsv_image_destroy(gathered[1]);
     return status;

@@ -54,7 +54,8 @@ double rsv_sample_sum_noise(const rsv_sample_sum *sum)
 {
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
-    double uncertainty, square = rsv_pixel_error(first, second, MOST_OF_A_PIXEL, &uncertainty);
+    const rsv_pixel_error_desc each = { MOST_OF_A_PIXEL, 0, false };
+    double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
     return 0.25 * square * pow(more, -FALL);
 }

@@ -171,6 +171,25 @@ static bool set_arrival(
     return rsv_emitter_faces(emitter, v->point);
 }
 
+/// Weight of the third technique over its density, but for that of the vertex's distance.
+static double segment_weight(const rsv_path_tracer *tracer, rsv_fog_vertex *v, uint32_t entry,
+    rsv_vec3 place, const arrival *from)
+{
+    const rsv_fog_lights *l = &tracer->fog_lights;
+    const rsv_light_sample *sample = &from->sample;
+    double own = segment_pdf(l, v, entry, place), drawn, turned = 0;
+    if (!(own > 0)) return 0;
+    rsv_fog_lights_at(l, v->point, &v->choice);
+    if (from->punctual) {
+        drawn = (double)rsv_fog_choice_probability(&v->choice, entry);
+    } else {
+        drawn = (double)rsv_fog_emitter_pdf(
+            &v->choice, sample->emitter, sample->direction, sample->distance);
+        turned = (double)rsv_phase(tracer->fog->anisotropy, v3_dot(v->forward, sample->direction));
+    }
+    return (double)power_heuristic(own, drawn, turned) / own;
+}
+
 /// Light of one source that is scattered anywhere on the segment.
 static void gather_along(rsv_light_path *path, rsv_fog_vertex *v)
 {
@@ -189,20 +208,10 @@ static void gather_along(rsv_light_path *path, rsv_fog_vertex *v)
     set_place(v, s);
     v->pdf = scatter_pdf(tracer->fog, v, s);
     if (!(v->pdf > 0) || !(s < INFINITY) || !set_arrival(l, place, v, &from)) return;
-    rsv_fog_lights_at(l, v->point, &v->choice);
-    double own = segment_pdf(l, v, entry, place);
-    if (!(own > 0)) return;
-    double drawn = (double)rsv_fog_choice_probability(&v->choice, entry), turned = 0;
-    if (!from.punctual) {
-        drawn = (double)rsv_fog_emitter_pdf(
-            &v->choice, from.sample.emitter, from.sample.direction, from.sample.distance);
-        turned =
-            (double)rsv_phase(tracer->fog->anisotropy, v3_dot(v->forward, from.sample.direction));
-    }
-    double weight = (double)power_heuristic(own, drawn, turned) / own;
-    rsv_rgb share = scattered_share(tracer->fog, rsv_fog_column(&v->run, s));
     // the density of a place that paths hardly reach may be too small to divide by in float
-    weight *= rsv_fog_density(&v->run, s) / v->pdf;
+    double weight =
+        segment_weight(tracer, v, entry, place, &from) * (rsv_fog_density(&v->run, s) / v->pdf);
+    rsv_rgb share = scattered_share(tracer->fog, rsv_fog_column(&v->run, s));
     add_scattered(path, v, rgb_mul(path->throughput, share), &from, weight);
 }
 

@@ -134,6 +134,17 @@ static float excess(const rsv_builder *b)
     return (float)rsv_builder_rows(b) / ((float)rsv_budget_rows(b) + 1);
 }
 
+/// Gives rows that are few more rays than was asked for.
+static void raise_rays(rsv_builder *b)
+{
+    uint32_t most = MOST_RAISED * b->wanted_rays;
+    uint64_t rows = rsv_builder_rows(b);
+    if (b->desc.max_bytes || most > RSV_MOST_RAYS) return;
+    while (
+        2 * b->desc.rays_per_element <= most && rows * b->desc.rays_per_element < b->desc.row_rays)
+        b->desc.rays_per_element *= 2;
+}
+
 /// Creates elements, larger ones as long as there are more than budgets allow.
 static rsv_status create_elements(rsv_builder *b)
 {
@@ -165,6 +176,7 @@ static rsv_status create_elements(rsv_builder *b)
     }
     if (exceeding > 0) RSV_TRY(fill_budget(b, exceeding, wanted));
     rsv_budget_report(b, wanted);
+    raise_rays(b);
 cleanup:
     return status;
 }
@@ -245,6 +257,7 @@ static void report_sizes(const rsv_builder *b, rsv_light *light)
     rsv_solve_report *report = &light->report;
     report->elements = rsv_budget_elements(b);
     report->rows = rsv_builder_rows(b);
+    report->rays_per_row = b->desc.rays_per_element;
     report->direct_elements =
         count_nodes(light->field.fine.elements) + count_nodes(light->field.caustics.elements);
     report->entries = rsv_team_total(b->context, rsv_transport_entries(op->transport)) +

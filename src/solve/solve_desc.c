@@ -42,7 +42,7 @@ rsv_status rsv_check_solve_desc(const rsv_solve_desc *desc)
     if (desc->element_target == 0)
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: element_target must be positive");
     if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < RSV_FEWEST_RAYS ||
-        desc->rays_per_element > 4096)
+        desc->rays_per_element > RSV_MOST_RAYS)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
             desc->rays_per_element);

@@ -12,6 +12,7 @@ static uint64_t settings_of(const rsv_builder *b)
         d->photon_count, d->direct_levels, d->direct_level, d->max_elements, d->max_bytes,
         d->reserved_bytes, d->seed };
     uint64_t key = rsv_key_add_bytes(1, word, sizeof word);
+    if (d->row_rays > 0) key = rsv_key_add_bytes(key, &d->row_rays, sizeof d->row_rays);
     return d->contact_share > 0 ? rsv_key_add_bytes(key, &d->contact_share, sizeof(float)) : key;
 }
 

@@ -20,6 +20,25 @@ CUDA_VISIBLE_DEVICES= refuses 1 'error: device: ' render furnace "${picture[@]}"
 refuses 1 'sky.hdr' render furnace "${picture[@]}" --env sky.hdr
 refuses 1 'missing.exr' compare missing.exr missing.exr
 
+# -- fog
+
+for fog in -1 inf nan 1e9 1,2 1,-0.1 1,1,1 1,1,-1 1,1,nan 1:2 x 1,1,0,0 1,; do
+    refuses 1 'fog' render furnace "${picture[@]}" --mode reference "--fog=$fog"
+done
+for height in 0 -1 x 1,nan 1,2,3; do
+    refuses 1 'height' render furnace "${picture[@]}" --mode reference --fog 1 "--fog-height=$height"
+done
+refuses 2 'without --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
+printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
+for fogless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --mode occlusion" "solve furnace -o $out/a.safetensors" \
+    "bake furnace -o $out/a.glb --to vertex" "certify furnace" "view furnace --record frames --frames 1" \
+    "probe furnace --points middle.csv -o $out/a.csv"; do
+    refuses 1 'fog: .*mode reference' $fogless --fog 1
+done
+succeeds probe furnace --points middle.csv -o fog.csv --mode reference --samples 32 --fog 1:2:3,0.5,-0.2 --fog-height 1,0.2
+succeeds info furnace --fog 1
+says 'fog'
+
 refuses 1 'gather' render furnace "${picture[@]}" --spp 65536 --gather 65536
 
 # -- broken glTF

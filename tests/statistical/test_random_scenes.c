@@ -61,9 +61,9 @@ static void a_seed_names_a_scene(void **state)
 
 static const char *const mode_name[] = { "operator", "final", "reference" };
 
-/// Where a picture is taken, and how large.
+/// Where a picture is taken, how large, and with how many camera rays per pixel.
 typedef struct shot {
-    uint32_t camera, width, height;
+    uint32_t camera, width, height, samples;
 } shot;
 
 /// A picture with other random numbers for each seed.
@@ -74,7 +74,7 @@ static rsv_image *picture(const rsv_scene *scene, const rsv_light *solution, sho
     rsv_image *image;
     desc.width = from.width;
     desc.height = from.height;
-    desc.samples = SAMPLES;
+    desc.samples = from.samples;
     desc.camera = from.camera;
     desc.mode = mode;
     desc.seed = seed;
@@ -157,7 +157,7 @@ static uint32_t check_shot(
     const rsv_scene *scene, const rsv_light *solution, const char *what, uint32_t k)
 {
     uint32_t wrong = 0;
-    const shot seen = { k, 16, 16 };
+    const shot seen = { k, 16, 16, SAMPLES };
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++) {
         rsv_image *image[2];
         for (uint32_t n = 0; n < 2; n++)
@@ -329,7 +329,7 @@ static void add_specimens(rsv_scene *scene, bool balls, float down)
 
 static uint32_t check_plates(const rsv_scene *scene, const rsv_light *solution, int mode)
 {
-    const shot seen = { 0, PLATES_ABREAST * 2 * PLATE_PIXELS, PLATE_ROWS * PLATE_PIXELS };
+    const shot seen = { 0, PLATES_ABREAST * 2 * PLATE_PIXELS, PLATE_ROWS * PLATE_PIXELS, SAMPLES };
     rsv_image *image[2];
     uint32_t wrong = 0, count = 0;
     for (uint32_t k = 0; k < 2; k++)
@@ -492,7 +492,8 @@ static void check_bent_plate(rsv_scene *scene, double seen)
     solve.element_target = FURNACE_ELEMENTS;
     assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++) {
-        rsv_image *image = picture(scene, solution, (shot){ 0, 16, 16 }, (rsv_render_mode)mode, 0);
+        rsv_image *image =
+            picture(scene, solution, (shot){ 0, 16, 16, SAMPLES }, (rsv_render_mode)mode, 0);
         sums mean = { 0 };
         for (uint32_t k = 0; k < 256; k++)
             add_value(&mean, value_at(image, k % 16, k / 16));
@@ -541,13 +542,20 @@ typedef struct twins {
     rsv_image *image[2];
 } twins;
 
-static twins take_twins(const rsv_scene *scene, const rsv_light *solution, int mode)
+static twins take_twins(
+    const rsv_scene *scene, const rsv_light *solution, int mode, uint32_t samples)
 {
-    const shot seen = { 0, ROOM_PIXELS, ROOM_PIXELS };
+    const shot seen = { 0, ROOM_PIXELS, ROOM_PIXELS, samples };
     twins t;
     for (uint32_t k = 0; k < 2; k++)
         t.image[k] = picture(scene, solution, seen, (rsv_render_mode)mode, k);
     return t;
+}
+
+static void drop_twins(const twins *t)
+{
+    rsv_image_destroy(t->image[0]);
+    rsv_image_destroy(t->image[1]);
 }
 
 /// Mean of a square of pixels of both, and its noise as the two differ.
@@ -571,20 +579,81 @@ static double excess(moments found, moments expected, double tolerated)
     return difference > 0 ? difference / fmax(error, 1e-9) : 0;
 }
 
-/// Blocks that are all but black are compared by what is a fifth of the picture's mean.
-static uint32_t compare_blocks(const twins *found, const twins *expected, double mean)
+/// The path tracer's pictures of a room. Where light comes by rare paths, few of them mostly miss what brings the mean, and
+/// show little noise, too: what they find wrong is looked at again with many.
+typedef struct judge {
+    const rsv_scene *scene;
+    twins few, many;
+    bool asked; ///< for many
+    double mean;
+} judge;
+
+#define MANY_SAMPLES (64 * SAMPLES)
+
+static judge begin_judge(const rsv_scene *scene)
+{
+    judge j = { .scene = scene, .few = take_twins(scene, NULL, RSV_RENDER_REFERENCE, SAMPLES) };
+    j.mean = mean_of_square(&j.few, 0, 0, ROOM_PIXELS).mean;
+    return j;
+}
+
+static void end_judge(const judge *j)
+{
+    drop_twins(&j->few);
+    if (j->asked) drop_twins(&j->many);
+}
+
+static const twins *many_paths(judge *j)
+{
+    if (!j->asked) j->many = take_twins(j->scene, NULL, RSV_RENDER_REFERENCE, MANY_SAMPLES);
+    j->asked = true;
+    return &j->many;
+}
+
+/// Where a picture is looked at, and what is tolerated there.
+typedef struct square {
+    uint32_t x, y, size;
+    double
+        tolerance; ///< of the mean; of a fifth of the picture's where that is more: what is all but black
+} square;
+
+/// As `excess`. @param expected out: what it should be
+static double judge_square(judge *j, const twins *found, square at, moments *expected)
+{
+    moments is = mean_of_square(found, at.x, at.y, at.size);
+    double z = 0;
+    for (int careful = 0; careful < 2 && (!careful || z > 4); careful++) {
+        *expected = mean_of_square(careful ? many_paths(j) : &j->few, at.x, at.y, at.size);
+        z = excess(is, *expected, at.tolerance * fmax(expected->mean, 0.2 * j->mean));
+    }
+    return z;
+}
+
+static uint32_t judge_blocks(judge *j, const twins *found)
 {
     const uint32_t size = ROOM_PIXELS / ROOM_BLOCKS;
     uint32_t wrong = 0;
     for (uint32_t k = 0; k < ROOM_BLOCKS * ROOM_BLOCKS; k++) {
-        uint32_t x = k % ROOM_BLOCKS * size, y = k / ROOM_BLOCKS * size;
-        moments a = mean_of_square(found, x, y, size), b = mean_of_square(expected, x, y, size);
-        double z = excess(a, b, ROOM_BLOCK_TOLERANCE * fmax(b.mean, 0.2 * mean));
+        square at = { k % ROOM_BLOCKS * size, k / ROOM_BLOCKS * size, size, ROOM_BLOCK_TOLERANCE };
+        moments b, a = mean_of_square(found, at.x, at.y, size);
+        double z = judge_square(j, found, at, &b);
         if (z <= 4) continue;
-        print_message("    block %u %u: %.4f, reference %.4f, %.1f sigma beyond 2 %%\n",
+        print_message("    block %u %u: %.3g, reference %.3g, %.1f sigma beyond 2 %%\n",
             k % ROOM_BLOCKS, k / ROOM_BLOCKS, a.mean, b.mean, z);
         wrong++;
     }
+    return wrong;
+}
+
+static uint32_t judge_mode(judge *j, const rsv_light *solution, uint32_t seed, int mode)
+{
+    twins t = take_twins(j->scene, solution, mode, SAMPLES);
+    moments expected, found = mean_of_square(&t, 0, 0, ROOM_PIXELS);
+    double z = judge_square(j, &t, (square){ 0, 0, ROOM_PIXELS, ROOM_MEAN_TOLERANCE }, &expected);
+    print_message("room %u, %s: %.4g +- %.1g, reference %.4g +- %.1g%s\n", seed, mode_name[mode],
+        found.mean, found.error, expected.mean, expected.error, z > 4 ? " WRONG" : "");
+    uint32_t wrong = (z > 4) + judge_blocks(j, &t);
+    drop_twins(&t);
     return wrong;
 }
 
@@ -598,21 +667,10 @@ static bool check_room(fixture *f, uint32_t seed)
     solve.photon_count = 100000;
     assert_int_equal(random_room(scene, seed), RSV_OK);
     assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
-    twins t[3];
-    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
-        t[mode] = take_twins(scene, solution, mode);
-    moments expected = mean_of_square(&t[RSV_RENDER_REFERENCE], 0, 0, ROOM_PIXELS);
-    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_FINAL; mode++) {
-        moments found = mean_of_square(&t[mode], 0, 0, ROOM_PIXELS);
-        double z = excess(found, expected, ROOM_MEAN_TOLERANCE * expected.mean);
-        print_message("room %u, %s: %.4f +- %.4f, reference %.4f +- %.4f%s\n", seed,
-            mode_name[mode], found.mean, found.error, expected.mean, expected.error,
-            z > 4 ? " WRONG" : "");
-        wrong += (z > 4) + compare_blocks(&t[mode], &t[RSV_RENDER_REFERENCE], expected.mean);
-    }
-    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
-        for (int k = 0; k < 2; k++)
-            rsv_image_destroy(t[mode].image[k]);
+    judge j = begin_judge(scene);
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_FINAL; mode++)
+        wrong += judge_mode(&j, solution, seed, mode);
+    end_judge(&j);
     rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     return wrong > 0;

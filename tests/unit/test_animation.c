@@ -241,6 +241,39 @@ static void lights_and_cameras_move(void **state)
     remove_folder(place.path);
 }
 
+/// Units of light and sides are understood as rsv_scene_load_with does; what is wanted once is kept.
+static void moments_are_read_as_the_file_is(void **state)
+{
+    const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 2, 0, 0 };
+    fixture *f = *state;
+    folder place = new_folder();
+    sketch s = square_sketch();
+    add_vectors(&s, time, 2, 1);
+    add_vectors(&s, go, 2, 3);
+    const char *path = write_sketch(&place, &s,
+        ONE_CHANNEL("translation", "") LAMP
+        "\"materials\":[{\"emissiveFactor\":[1,0.5,0]}],\"meshes\":[{\"primitives\":[{" SQUARE
+        ",\"material\":0}]}],\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{"
+        "\"light\":0}}}]");
+    rsv_load_desc desc = rsv_default_load_desc();
+    desc.light_units = RSV_LIGHT_UNITS_PHOTOMETRIC;
+    desc.emit_both = true;
+    rsv_scene *loaded = NULL;
+    rsv_animation *a = NULL;
+    assert_int_equal(rsv_scene_load_with(f->context, path, &desc, &loaded), RSV_OK);
+    assert_int_equal(rsv_animation_open(f->context, path, &desc, &a), RSV_OK);
+    rsv_scene *moment = scene_at(a, 0, 0);
+    const rsv_scene_view *v = rsv_scene_get_view(loaded), *w = rsv_scene_get_view(moment);
+    assert_true(v->light[0].intensity.r < 1); // by candelas; 3 W/sr otherwise
+    assert_memory_equal(&v->light[0].intensity, &w->light[0].intensity, sizeof(rsv_rgb));
+    assert_memory_equal(&v->material[0].emission, &w->material[0].emission, sizeof(rsv_rgb));
+    assert_true(w->material[0].double_sided);
+    rsv_scene_destroy(moment);
+    rsv_scene_destroy(loaded);
+    rsv_animation_destroy(a);
+    remove_folder(place.path);
+}
+
 // ---- clips ----------------------------------------------------------------------------------------
 
 static const char two_clips[] =
@@ -312,7 +345,7 @@ typedef struct bad_case {
 
 #define CLIP(channel, sampler)                                                                     \
     "\"animations\":[{\"name\":\"go\",\"channels\":[{" channel "}],\"samplers\":[{" sampler "}]}]" \
-                                                                                            ","
+    ","
 #define CHANNEL "\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}"
 
 static void broken_animations_are_refused(void **state)
@@ -508,6 +541,7 @@ int main(void)
         CASE(joints_bend_what_is_bound),
         CASE(weights_of_morph_targets_move),
         CASE(lights_and_cameras_move),
+        CASE(moments_are_read_as_the_file_is),
         CASE(clips_are_found_by_name_and_play_together),
         CASE(what_rests_is_as_in_the_file),
         CASE(broken_animations_are_refused),

@@ -1,5 +1,6 @@
 /// Pictures by error and by time: that they are as good as the plan says, the same on any number of threads, and in time.
 #include "light_fixture.h"
+#include "plan/pixel_error.h"
 #include "plan/sample_sum.h"
 #include "resolvent/plan.h"
 #include "slow_tests.h"
@@ -167,9 +168,51 @@ static void samples_follow_the_noise(void **state)
     assert_int_equal(rsv_samples_for(1, 4, 1e-9, 100), 100);
 }
 
+/// A picture without error beside two gathered ones: all alike but for sparks that bring a part of the light.
+/// @param shift of what is stored, relative
+static double error_beside_sparks(const world *w, float shift, double *uncertainty)
+{
+    enum { side = 256, one_in = 100 };
+    const float part = 0.3f;
+    rsv_image *stored, *gathered[2];
+    assert_int_equal(rsv_image_create(w->context, side, side, 1, &stored), RSV_OK);
+    for (uint32_t k = 0; k < 2; k++)
+        assert_int_equal(rsv_image_create(w->context, side, side, 1, &gathered[k]), RSV_OK);
+    for (uint32_t i = 0; i < side * side; i++) {
+        rsv_image_pixels(stored, 0)[i] = rgb_gray(1 + shift);
+        for (uint32_t k = 0; k < 2; k++) {
+            bool spark = rsv_unit_float(rsv_hash2(i, k)) * one_in < 1;
+            rsv_image_pixels(gathered[k], 0)[i] = rgb_gray(1 - part + (spark ? one_in * part : 0));
+        }
+    }
+    const rsv_image *const a[2] = { stored, stored };
+    const rsv_image *const b[2] = { gathered[0], gathered[1] };
+    double error = rsv_pixel_error(a, b, (rsv_pixel_error_desc){ 4, 2, true }, uncertainty);
+    rsv_image_destroy(stored);
+    rsv_image_destroy(gathered[0]);
+    rsv_image_destroy(gathered[1]);
+    return error;
+}
+
+/// With a limit of 1 for each pixel it said 0.07: 26 % for a picture without error.
+static void sparks_of_gathering_are_no_error(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    double uncertainty, error = error_beside_sparks(w, 0, &uncertainty);
+    print_message("none: %.4f +- %.4f\n", error, uncertainty);
+    assert_true(uncertainty < 0.01);
+    assert_true(fabs(error) < 3 * uncertainty);
+    error = error_beside_sparks(w, 0.3f, &uncertainty);
+    print_message("0.053: %.4f +- %.4f\n", error, uncertainty);
+    assert_close(error, 0.3 * 0.3 / (1.3 * 1.3), 3 * uncertainty);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sparks_of_gathering_are_no_error),
         cmocka_unit_test(a_plan_does_not_depend_on_threads),
         cmocka_unit_test(a_solution_that_is_there_is_used),
         cmocka_unit_test(impossible_wishes_are_refused),

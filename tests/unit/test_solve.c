@@ -566,6 +566,33 @@ static void a_share_of_contacts_takes_fewer_rows(void **state)
     world_end(w);
 }
 
+/// Few rows get more rays, many do not, and budgets of memory come first.
+static void few_rows_get_more_rays(void **state)
+{
+    (void)state;
+    static const struct {
+        uint64_t wanted; ///< rays of a row times rows, in units of what there is without
+        size_t bytes;
+        uint32_t raised;
+    } cases[] = { { 0, 0, 1 }, { 1, 0, 1 }, { 3, 0, 4 }, { 1000, 0, 8 },
+        { 1000, (size_t)1 << 40, 1 } };
+    world *w = world_builtin(2, "cornell-blocks");
+    uint64_t usual = 0;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        rsv_solve_desc desc = small_desc(100);
+        rsv_light *light = NULL;
+        desc.row_rays = usual * cases[k].wanted;
+        desc.max_bytes = cases[k].bytes;
+        assert_int_equal(rsv_light_create(w->scene, &desc, &light), RSV_OK);
+        const rsv_solve_report *report = rsv_light_report(light);
+        assert_int_equal(report->rays_per_row, cases[k].raised * desc.rays_per_element);
+        assert_true(report->row_rays >= report->rows * report->rays_per_row);
+        usual = report->rows * desc.rays_per_element;
+        rsv_light_destroy(light);
+    }
+    world_end(w);
+}
+
 /// Lambert, glass, an area light and a point light: every part of the solver has work.
 static world *create_varied_room(void)
 {
@@ -682,6 +709,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_scene_of_glass_alone_is_no_trouble),
         cmocka_unit_test(bad_descriptors_are_refused_by_name),
         cmocka_unit_test(a_share_of_contacts_takes_fewer_rows),
+        cmocka_unit_test(few_rows_get_more_rays),
         cmocka_unit_test(memory_may_run_out_here_and_there),
         cmocka_unit_test(cancelled_work_can_begin_again),
     };
