@@ -28,6 +28,11 @@ static const char help[] =
     "0)\n"
     "  --ground ALBEDO    of the ground outside the scene (default 0.2)\n"
     "  --sky-only         leave the sun out; the ground outside is lit by it all the same\n"
+    "  --shaded SCENE     the same scene with its shades down, which counts while --shade-lux "
+    "(default "
+    "1000)\n"
+    "                     or more come straight from the sun on --shade-share (2 %) of the "
+    "sensors\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
     "lux\n" CLI_MESH_HELP CLI_READING_HELP CLI_SOLVE_HELP
@@ -40,11 +45,11 @@ static const char help[] =
     "      --hourly desks-hours.csv -o desks.json\n";
 
 typedef struct settings {
-    const char *scene, *points, *mesh;
+    const char *scene, *shaded, *points, *mesh;
     cli_reading reading;
     cli_list weather, outputs, hourly; ///< the latter as many as the first, or none
     cli_solve_choice solve;
-    float north, ground, height, spacing, from, to;
+    float north, ground, height, spacing, from, to, shade_lux, shade_share;
     uint32_t samples, threads;
     bool sky_only;
 } settings;
@@ -80,6 +85,18 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--north", .kind = CLI_REAL, .value = &s->north, .min = -360, .max = 360 },
         { .name = "--ground", .kind = CLI_REAL, .value = &s->ground, .min = 0, .max = 1 },
         { .name = "--sky-only", .kind = CLI_FLAG, .value = &s->sky_only },
+        { .name = "--shaded", .kind = CLI_TEXT, .value = &s->shaded },
+        { .name = "--shade-lux",
+            .kind = CLI_REAL,
+            .value = &s->shade_lux,
+            .min = 1,
+            .max = 1e6,
+            .goes_with = "--shaded" },
+        { .name = "--shade-share",
+            .kind = CLI_SHARE,
+            .value = &s->shade_share,
+            .max = 1,
+            .goes_with = "--shaded" },
         { .name = "--from", .kind = CLI_REAL, .value = &s->from, .min = 0, .max = 24 },
         { .name = "--to", .kind = CLI_REAL, .value = &s->to, .min = 0, .max = 24 },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
@@ -101,13 +118,13 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 typedef struct daylight_job {
     cli_session *session;
     const settings *s;
-    rsv_scene *scene;
+    rsv_scene *scene[2]; ///< as it is, and with its shades down; NULL = there are none
     cli_points points;
     rsv_weather weather[CLI_LIST_CAPACITY];
     rsv_daylight_desc desc;
     rsv_daylight_run_desc run;
-    rsv_light *light;
-    rsv_daylight *daylight;
+    rsv_light *light[2];
+    rsv_daylight *daylight[2];
     rsv_daylight_report report;
 } daylight_job;
 
@@ -116,14 +133,14 @@ static rsv_status lay_grids(daylight_job *job)
 {
     size_t count = 0;
     rsv_status status = rsv_daylight_sensors(
-        job->scene, (double)job->s->height, (double)job->s->spacing, &job->points.probe, &count);
+        job->scene[0], (double)job->s->height, (double)job->s->spacing, &job->points.probe, &count);
     if (status != RSV_OK) return status;
     rsv_probe *laid = job->points.probe;
-    const double *origin = rsv_scene_get_view(job->scene)->origin;
+    const double *origin = rsv_scene_get_view(job->scene[0])->origin;
     job->points.probe = calloc(count, sizeof *laid);
     job->points.given = calloc(count, sizeof *job->points.given);
     if (!job->points.probe || !job->points.given) {
-        rsv_daylight_free_sensors(job->scene, laid);
+        rsv_daylight_free_sensors(job->scene[0], laid);
         return RSV_ERROR_MEMORY;
     }
     for (size_t k = 0; k < count; k++) {
@@ -134,23 +151,32 @@ static rsv_status lay_grids(daylight_job *job)
         job->points.given[k][4] = 1;
     }
     job->points.count = count;
-    rsv_daylight_free_sensors(job->scene, laid);
+    rsv_daylight_free_sensors(job->scene[0], laid);
     return RSV_OK;
 }
 
-static rsv_status solve(daylight_job *job)
+/// @param state 0 = shades up, 1 = down
+static rsv_status solve_state(daylight_job *job, int state)
 {
-    const settings *s = job->s;
-    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    rsv_solve_desc desc = cli_describe_solve(&job->s->solve);
     desc.goal_points = job->points.probe;
     desc.goal_point_count = job->points.count;
     desc.photon_count = 0; // of lamps alone, which are off
     desc.direct_level = false;
-    rsv_status status = rsv_daylight_surround(job->scene, &job->weather[0], &job->desc);
-    if (status == RSV_OK) status = rsv_light_create(job->scene, &desc, &job->light);
+    rsv_status status = rsv_daylight_surround(job->scene[state], &job->weather[0], &job->desc);
+    if (status == RSV_OK) status = rsv_light_create(job->scene[state], &desc, &job->light[state]);
     if (status == RSV_OK)
-        status = rsv_daylight_create(
-            job->light, job->points.probe, job->points.count, &job->desc, &job->daylight);
+        status = rsv_daylight_create(job->light[state], job->points.probe, job->points.count,
+            &job->desc, &job->daylight[state]);
+    return status;
+}
+
+static rsv_status solve(daylight_job *job)
+{
+    rsv_status status = solve_state(job, 0);
+    if (status != RSV_OK || !job->scene[1]) return status;
+    status = solve_state(job, 1);
+    job->run.shaded = job->daylight[1];
     return status;
 }
 
@@ -158,7 +184,7 @@ static size_t count_buried(const daylight_job *job)
 {
     size_t count = 0;
     for (size_t k = 0; k < job->points.count; k++)
-        count += rsv_daylight_is_buried(job->daylight, k);
+        count += rsv_daylight_is_buried(job->daylight[0], k);
     if (count) {
         char text[128];
         snprintf(text, sizeof text,
@@ -191,23 +217,28 @@ static void print_space(const daylight_job *job)
         printf("%-42s %8.4g +- %-8.2g %s\n", facts.title, (share ? 100 : 1) * figure.value,
             (share ? 100 : 1) * figure.standard_error, share ? "%" : facts.unit);
     }
+    if (job->run.shaded)
+        printf("%-42s %8.4g             h\n", "shades down", job->report.shaded_hours);
     printf("%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(&job->report));
 }
 
 static void close_job(daylight_job *job)
 {
-    rsv_daylight_destroy(job->daylight);
-    rsv_light_destroy(job->light);
+    for (int state = 0; state < 2; state++) {
+        rsv_daylight_destroy(job->daylight[state]);
+        rsv_light_destroy(job->light[state]);
+    }
     for (size_t k = 0; k < job->s->weather.count; k++)
         rsv_weather_free(job->session->context, &job->weather[k]);
     cli_free_points(&job->points);
-    rsv_scene_destroy(job->scene);
+    rsv_scene_destroy(job->scene[0]);
+    rsv_scene_destroy(job->scene[1]);
 }
 
 static rsv_status find_sensors(daylight_job *job)
 {
     if (!job->s->points) return lay_grids(job);
-    cli_place_points(&job->points, job->scene);
+    cli_place_points(&job->points, job->scene[0]);
     return RSV_OK;
 }
 
@@ -226,12 +257,13 @@ static bool keep_hours(daylight_job *job, size_t k)
 static bool run_weather(daylight_job *job, size_t k, size_t buried)
 {
     if (!keep_hours(job, k)) return false;
-    rsv_status status = rsv_daylight_run(job->daylight, &job->weather[k], &job->run, &job->report);
+    rsv_status status =
+        rsv_daylight_run(job->daylight[0], &job->weather[k], &job->run, &job->report);
     bool done = status == RSV_OK && write_reports(job, k, buried);
     if (status != RSV_OK) cli_report_failure(job->session, status);
     if (done && job->s->weather.count > 1) printf("%s\n", job->s->weather.item[k]);
     if (done) print_space(job);
-    rsv_daylight_report_free(job->daylight, &job->report);
+    rsv_daylight_report_free(job->daylight[0], &job->report);
     free(job->run.hourly);
     job->run.hourly = NULL;
     return done;
@@ -245,8 +277,9 @@ static int run(daylight_job *job)
     for (size_t k = 0; status == RSV_OK && k < s->weather.count; k++)
         status = rsv_weather_read(job->session->context, s->weather.item[k], &job->weather[k]);
     if (status != RSV_OK) return cli_report_failure(job->session, status);
-    job->scene = cli_open_scene(job->session, s->scene, NULL);
-    if (!job->scene) return CLI_FAILURE;
+    job->scene[0] = cli_open_scene(job->session, s->scene, NULL);
+    if (s->shaded) job->scene[1] = cli_open_scene(job->session, s->shaded, NULL);
+    if (!job->scene[0] || (s->shaded && !job->scene[1])) return CLI_FAILURE;
     status = find_sensors(job);
     if (status == RSV_OK) status = solve(job);
     if (status != RSV_OK) return cli_report_failure(job->session, status);
@@ -267,6 +300,8 @@ static void describe(const settings *s, daylight_job *job)
     job->run.sky_only = s->sky_only;
     job->run.from = (double)s->from;
     job->run.to = (double)s->to;
+    job->run.shade_lux = (double)s->shade_lux;
+    job->run.shade_share = (double)s->shade_share;
     if (isnan(s->north)) fputs("note: no --north is given: it is taken to lie along -z\n", stderr);
 }
 
@@ -301,7 +336,9 @@ int cli_daylight(int argc, char **argv)
         .height = 0.8f,
         .spacing = 0.5f,
         .from = 8,
-        .to = 18 };
+        .to = 18,
+        .shade_lux = 1000,
+        .shade_share = 0.02f };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     cli_session session;

@@ -101,6 +101,7 @@ static void add_settings(cJSON *root, const cli_daylight_result *r)
     cJSON_AddNumberToObject(root, "hours", r->report->hours);
     cJSON_AddNumberToObject(root, "occupied_hours", r->report->occupied_hours);
     cJSON_AddNumberToObject(root, "daylight_hours", r->report->daylight_hours);
+    cJSON_AddNumberToObject(root, "shaded_hours", r->run->shaded ? r->report->shaded_hours : NAN);
     cJSON_AddNumberToObject(root, "filled_records", (double)r->weather->filled);
     cJSON_AddNumberToObject(root, "missing_hours", (double)r->weather->missing);
     cJSON_AddNumberToObject(root, "buried_sensors", (double)r->buried);

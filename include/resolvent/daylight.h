@@ -113,6 +113,11 @@ typedef struct rsv_daylight_run_desc {
     bool sky_only;   ///< leave the sun out
     double from, to; ///< occupied hours of every day, standard time; default 8 to 18
     float *hourly;   ///< out, [weather->count][sensor count] lux; NULL = not wanted
+    /// The same sensors, patches and north in the scene with its shades down, NULL = there are none: it counts while at least
+    /// `shade_lux` (default 1000) come straight from the sun on `shade_share` (0.02) of the sensors, were the shades up.
+    /// Hours of sun and daylight factors are those of shades that stay up.
+    const rsv_daylight *shaded;
+    double shade_lux, shade_share;
 } rsv_daylight_run_desc;
 
 RSV_API rsv_daylight_run_desc rsv_default_daylight_run_desc(void);
@@ -122,6 +127,7 @@ typedef struct rsv_daylight_report {
     rsv_figure (*sensor)[RSV_SENSOR_FIGURES]; ///< [sensor_count]
     rsv_figure space[RSV_SPACE_FIGURES];
     double hours, occupied_hours, daylight_hours; ///< in the file
+    double shaded_hours;                          ///< with the shades down
 } rsv_daylight_report;
 
 /// Standard errors come from independent randomisations (jackknife), and from the noise and interpolation of stored light.

@@ -1,28 +1,47 @@
 /// A weather file's hours at all sensors.
 #include "../core/core.h"
 #include "figures.h"
+#include "shades.h"
+
+#include <string.h>
 
 rsv_daylight_run_desc rsv_default_daylight_run_desc(void)
 {
-    return (rsv_daylight_run_desc){ .from = 8, .to = 18 };
+    return (rsv_daylight_run_desc){ .from = 8, .to = 18, .shade_lux = 1000, .shade_share = 0.02 };
 }
+
+/// A run of one weather file.
+typedef struct run_job {
+    const rsv_daylight *daylight;
+    const rsv_daylight_run_desc *desc;
+    rsv_year year;
+    uint8_t *down; ///< [lit_count] 1 = shades are down; NULL = there are none
+    rsv_sensor_variants *figures;
+} run_job;
 
 /// What one thread reads a sensor into.
 typedef struct sensor_scratch {
     rsv_sensor_readings readings;
     rsv_seen_patches seen;
+    float (*shaded)[RSV_DAYLIGHT_COLUMNS]; ///< [lit_count] with the shades down
+    float *shaded_sun;                     ///< [lit_count]
 } sensor_scratch;
 
-static bool create_scratch(const rsv_daylight *d, const rsv_year *year, sensor_scratch *s)
+static bool create_scratch(const run_job *job, sensor_scratch *s)
 {
+    const rsv_daylight *d = job->daylight;
+    const rsv_year *year = &job->year;
     rsv_context *context = d->context;
+    size_t shaded = job->down ? year->lit_count : 0;
+    s->shaded = rsv_alloc(context, shaded, sizeof *s->shaded);
+    s->shaded_sun = rsv_alloc(context, shaded, sizeof *s->shaded_sun);
     s->seen.patch = rsv_alloc(context, d->patches.count, sizeof *s->seen.patch);
     s->seen.share = rsv_alloc(context, d->patches.count, sizeof *s->seen.share);
     s->readings.reading = rsv_alloc(context, year->lit_count, sizeof *s->readings.reading);
     s->readings.sun = rsv_alloc(context, year->lit_count, sizeof *s->readings.sun);
     s->readings.value = rsv_alloc(context, year->daylight_count, sizeof *s->readings.value);
     return s->readings.reading && s->readings.sun && s->readings.value && s->seen.patch &&
-           s->seen.share;
+           s->seen.share && s->shaded && s->shaded_sun;
 }
 
 static void destroy_scratch(rsv_context *context, sensor_scratch *s)
@@ -32,6 +51,8 @@ static void destroy_scratch(rsv_context *context, sensor_scratch *s)
     rsv_free(context, s->readings.value);
     rsv_free(context, s->seen.patch);
     rsv_free(context, s->seen.share);
+    rsv_free(context, s->shaded);
+    rsv_free(context, s->shaded_sun);
 }
 
 static void write_hours(const rsv_daylight *d, const rsv_year *year, size_t sensor,
@@ -42,26 +63,53 @@ static void write_hours(const rsv_daylight *d, const rsv_year *year, size_t sens
             rsv_variant_reading(s->readings.reading[k], RSV_VARIANT_ALL, 0);
 }
 
-/// @param hourly all zero before; NULL = not wanted
-static bool read_sensors(
-    const rsv_daylight *d, const rsv_year *year, float *hourly, rsv_sensor_variants *figures)
+/// Replaces what hours with the shades down read.
+static void read_shaded(const run_job *job, size_t sensor, sensor_scratch *s)
 {
+    const rsv_daylight *shaded = job->desc->shaded;
+    if (!job->down) return;
+    rsv_year_read_sensor(shaded, &job->year, sensor, &s->seen, s->shaded, s->shaded_sun);
+    for (size_t k = 0; k < job->year.lit_count; k++)
+        if (job->down[k]) memcpy(s->readings.reading[k], s->shaded[k], sizeof s->shaded[k]);
+    if (shaded->stored_error[sensor] > s->readings.stored_error)
+        s->readings.stored_error = shaded->stored_error[sensor];
+}
+
+static void read_sensor(const run_job *job, size_t sensor, sensor_scratch *s)
+{
+    const rsv_daylight *d = job->daylight;
+    rsv_year_read_sensor(d, &job->year, sensor, &s->seen, s->readings.reading, s->readings.sun);
+    s->readings.stored_error = d->stored_error[sensor];
+    read_shaded(job, sensor, s);
+    rsv_sensor_figures(d, &job->year, sensor, &s->readings, job->figures[sensor]);
+    if (job->desc->hourly) write_hours(d, &job->year, sensor, s, job->desc->hourly);
+}
+
+static bool read_sensors(const run_job *job)
+{
+    const rsv_daylight *d = job->daylight;
     bool complete = true;
 #pragma omp parallel num_threads(rsv_threads(d->context)) reduction(&& : complete)
     {
         sensor_scratch s = { 0 };
-        complete = create_scratch(d, year, &s);
+        complete = create_scratch(job, &s);
 #pragma omp for schedule(dynamic, 1)
-        for (size_t k = 0; k < d->sensor_count; k++) {
-            if (!complete || rsv_cancelled(d->context)) continue;
-            rsv_year_read_sensor(d, year, k, &s.seen, s.readings.reading, s.readings.sun);
-            s.readings.stored_error = d->stored_error[k];
-            rsv_sensor_figures(d, year, k, &s.readings, figures[k]);
-            if (hourly) write_hours(d, year, k, &s, hourly);
-        }
+        for (size_t k = 0; k < d->sensor_count; k++)
+            if (complete && !rsv_cancelled(d->context)) read_sensor(job, k, &s);
         destroy_scratch(d->context, &s);
     }
     return complete;
+}
+
+static rsv_status lower_shades(run_job *job, rsv_daylight_report *report)
+{
+    if (!job->desc->shaded) return RSV_OK;
+    job->down = rsv_alloc(job->daylight->context, job->year.lit_count, sizeof *job->down);
+    if (!job->down) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_shades_lower(job->daylight, &job->year, job->desc, job->down);
+    for (size_t k = 0; k < job->year.lit_count; k++)
+        report->shaded_hours += job->down[k] ? job->year.lit[k].hours : 0;
+    return status;
 }
 
 static void report_figures(const rsv_daylight *d, const rsv_year *year,
@@ -79,24 +127,26 @@ static void report_figures(const rsv_daylight *d, const rsv_year *year,
 rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     const rsv_daylight_run_desc *desc, rsv_daylight_report *report)
 {
-    rsv_year year = { 0 };
+    run_job job = { .daylight = d, .desc = desc };
     float *value = NULL;
-    rsv_sensor_variants *figures = NULL;
     rsv_status status;
     *report = (rsv_daylight_report){ .sensor_count = d->sensor_count };
     for (size_t k = 0; desc->hourly && k < weather->count * d->sensor_count; k++)
         desc->hourly[k] = 0;
-    RSV_TRY(rsv_year_create(d, weather, desc, &year));
-    figures = rsv_alloc(d->context, d->sensor_count, sizeof *figures);
+    RSV_TRY(rsv_shades_check(d, desc));
+    RSV_TRY(rsv_year_create(d, weather, desc, &job.year));
+    RSV_TRY(lower_shades(&job, report));
+    job.figures = rsv_alloc(d->context, d->sensor_count, sizeof *job.figures);
     value = rsv_alloc(d->context, d->sensor_count, sizeof *value);
     report->sensor = rsv_alloc(d->context, d->sensor_count, sizeof *report->sensor);
-    RSV_TRY(figures && value && report->sensor ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(read_sensors(d, &year, desc->hourly, figures) ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(job.figures && value && report->sensor ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(read_sensors(&job) ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_progress(d->context, "year", 1));
-    report_figures(d, &year, (const rsv_sensor_variants *)figures, value, report);
+    report_figures(d, &job.year, (const rsv_sensor_variants *)job.figures, value, report);
 cleanup:
-    rsv_year_destroy(d->context, &year);
-    rsv_free(d->context, figures);
+    rsv_year_destroy(d->context, &job.year);
+    rsv_free(d->context, job.down);
+    rsv_free(d->context, job.figures);
     rsv_free(d->context, value);
     return status;
 }

@@ -2,7 +2,6 @@
 
 #include "../core/core.h"
 #include "../core/sampling.h"
-#include "sensor_rays.h"
 
 #include <string.h>
 
@@ -175,6 +174,14 @@ static void find_seen(const rsv_daylight *d, size_t sensor, rsv_seen_patches *se
     }
 }
 
+float rsv_year_sun_at(
+    const rsv_daylight *d, const rsv_sensor_place *place, const rsv_lit_hour *hour)
+{
+    float cosine = v3_dot(place->normal, hour->sun);
+    if (!(hour->direct > 0) || cosine <= 0) return 0;
+    return (float)(hour->direct * rsv_sun_passed(d, place, hour->sun)) * cosine;
+}
+
 /// Adds the sun: what surfaces, mirrors and bending panes send of it, and what comes straight.
 static float add_sun(const rsv_daylight *d, const rsv_sensor_place *place, size_t sensor,
     const rsv_lit_hour *hour, float reading[COLUMNS])
@@ -183,9 +190,7 @@ static float add_sun(const rsv_daylight *d, const rsv_sensor_place *place, size_
     for (uint32_t k = 0; k < hour->spread_count; k++)
         for (int c = 0; c < COLUMNS; c++)
             reading[c] += hour->spread_luminance[k] * bent[hour->spread_patch[k]].column[c];
-    float cosine = v3_dot(place->normal, hour->sun);
-    if (!(hour->direct > 0) || cosine <= 0) return 0;
-    float straight = (float)(hour->direct * rsv_sun_passed(d, place, hour->sun)) * cosine;
+    float straight = rsv_year_sun_at(d, place, hour);
     for (int c = 0; c < RSV_DAYLIGHT_GROUPS; c++)
         reading[c] += straight;
     return straight;

@@ -2,7 +2,7 @@
 #ifndef RSV_DAYLIGHT_YEAR_H
 #define RSV_DAYLIGHT_YEAR_H
 
-#include "daylight.h"
+#include "sensor_rays.h"
 
 #define RSV_SUN_SPREAD 24 ///< patches that the sun's reflected light is looked up in, at most
 
@@ -40,5 +40,9 @@ typedef struct rsv_seen_patches {
 /// Lux of a sensor at each lit hour: [lit_count][RSV_DAYLIGHT_COLUMNS], and straight from the sun: [lit_count].
 void rsv_year_read_sensor(const rsv_daylight *daylight, const rsv_year *year, size_t sensor,
     rsv_seen_patches *seen, float (*reading)[RSV_DAYLIGHT_COLUMNS], float *sun);
+
+/// Lux straight from the sun.
+float rsv_year_sun_at(
+    const rsv_daylight *daylight, const rsv_sensor_place *place, const rsv_lit_hour *hour);
 
 #endif

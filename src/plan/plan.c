@@ -223,13 +223,13 @@ static rsv_status judge_elements(rsv_planner *p, double *uncertainty)
 static rsv_status find_solution(rsv_planner *p)
 {
     rsv_status status = p->light ? RSV_OK : rsv_planner_solve(p);
-    double before = INFINITY, uncertainty = 0;
+    double before = INFINITY;
     while (status == RSV_OK) {
         p->plan.elements_error = NAN;
         status = take_first(p);
         if (status != RSV_OK || p->wanted > GENEROUS) break;
-        status = judge_elements(p, &uncertainty);
-        double least = p->plan.elements_error - uncertainty; // more than chance
+        status = judge_elements(p, &p->uncertainty);
+        double least = p->plan.elements_error - p->uncertainty; // more than chance
         if (status != RSV_OK || least <= ELEMENTS_SHARE * p->wanted || p->is_given) break;
         if (p->plan.rounds >= MOST_ROUNDS || p->plan.elements_error > LEAST_PROGRESS * before)
             break;
@@ -245,9 +245,11 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
     const rsv_solve_report *report = rsv_light_report(p->light);
     const rsv_picture_plan *plan = &p->plan;
     char elements[80] = "";
+    double least = 2 * p->uncertainty; // that is told from none
     if (!isnan(plan->elements_error))
-        snprintf(elements, sizeof elements, ", of which elements leave %.2g %%",
-            100 * sqrt(plan->elements_error));
+        snprintf(elements, sizeof elements, ", of which elements leave %s%.2g %%",
+            plan->elements_error < least ? "less than " : "",
+            100 * sqrt(fmax(plan->elements_error, least)));
     // direct light is the pixels' own: such elements hold caustics, which a look takes from them too
     const char *unknown = report->direct_elements ? "; what stored caustics err is not known" : "";
     rsv_log(p->context, RSV_LOG_INFO,

@@ -17,6 +17,7 @@ typedef struct rsv_planner {
     rsv_picture_series *series; ///< of passes with this light; NULL = none yet
     double started;             ///< as rsv_seconds counts
     double wanted;              ///< relative MSE
+    double uncertainty;         ///< standard error of plan.elements_error
     uint32_t passes;
     rsv_sample_sum sum;
     rsv_picture_plan plan;

@@ -177,8 +177,7 @@ bool rsv_fog_sample_emitter(
     const rsv_fog_choice *choice, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
 {
     const rsv_lights *lights = choice->lights->lights;
-    rsv_local_lights local = { .lights = lights };
-    local.point = choice->point;
+    const rsv_local_lights local = { .lights = lights, .point = choice->point };
     if (!rsv_sample_emitter(&local, entry, 1, u1, u2, sample) || !(sample->pdf_solid_angle > 0))
         return false;
     if (lights->emitter[sample->emitter].varies)

@@ -33,6 +33,8 @@ END
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/a.html" --from 9 --to 17
 grep -q '</html>' "$out/a.html" || complain "the page is whole"
 ! grep -qE 'src=|href=|[^a-z](nan|inf)[^a-z]' "$out/a.html" || complain "the page stands alone and has numbers"
+succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/s.json" --north 0 --shaded furnace --shade-share 1%
+grep -q '"shaded_hours":' "$out/s.json" || complain "hours with the shades down"
 cp a.epw b.epw
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/d.csv" --weather b.epw -o "$out/e.csv" --north 0
 cmp -s "$out/a.csv" "$out/d.csv" && cmp -s "$out/d.csv" "$out/e.csv" || complain "a report for each weather file"
@@ -44,6 +46,7 @@ rm -f "$out"/*
 
 refuses 2 'weather' daylight cornell-blocks -o "$out/a.csv"
 refuses 2 '\.html, \.json or \.csv' daylight cornell-blocks "${quick[@]}" -o "$out/a.txt"
+refuses 2 'shaded' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --shade-lux 500
 refuses 2 'of its own' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
 refuses 2 'not before' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --from 12 --to 9
 refuses 1 'would overwrite' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --hourly a.epw

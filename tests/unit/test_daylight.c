@@ -438,6 +438,49 @@ static void figures_count_hours(void **state)
     world_end(w);
 }
 
+/// One sensor in the sun, one in the shade of a wall; shades that keep out everything, but for the sky's hours.
+static void shades_go_down_in_the_sun(void **state)
+{
+    (void)state;
+    world *w = world_begin(2), *closed = world_begin(2);
+    build_open(w);
+    world_box(closed, world_lambert(closed, 0, 0), v3(10, -1, -10), v3(30, 1, 10));
+    world_commit(closed);
+    rsv_weather_hour hour[] = { record_at(6, 21, 10.5, 700, 150), record_at(6, 21, 11.5, 0, 150) };
+    rsv_weather weather = weather_of(hour, 2);
+    rsv_probe sensor[] = { up_at(20, 0, 0), { { 20, 0, 0 }, { 0, -1, 0 } } };
+    rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_DRAFT);
+    solved open = solve_with(w, &weather, sensor, 2, &desc, 300);
+    solved down = solve_with(closed, &weather, sensor, 2, &desc, 300);
+    float plain[4], shaded[4];
+    rsv_daylight_run_desc run = rsv_default_daylight_run_desc();
+    for (
+        int k = 0; k < 4;
+        k++) { // without shades, with them, with more sun asked for than there is, with too few sensors
+        rsv_daylight_report report;
+        run.hourly = k ? shaded : plain;
+        run.shaded = k ? down.daylight : NULL;
+        run.shade_lux = k == 2 ? 2e5 : 1000;
+        run.shade_share = k == 3 ? 0.75 : 0.02;
+        assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_OK);
+        assert_close(report.shaded_hours, k == 1, 0);
+        assert_close(report.sensor[0][RSV_SENSOR_SUN_HOURS].value, 1, 0);
+        if (k == 1) assert_true(shaded[0] == 0 && shaded[1] == 0 && plain[0] > 10000);
+        if (k == 1) assert_true(shaded[2] == plain[2] && shaded[3] == plain[3]);
+        if (k > 1) assert_memory_equal(shaded, plain, sizeof plain);
+        rsv_daylight_report_free(open.daylight, &report);
+    }
+    solved other = solve_with(closed, &weather, sensor, 1, &desc, 300);
+    rsv_daylight_report report;
+    run.shaded = other.daylight;
+    assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_ERROR_ARGUMENT);
+    release(&other);
+    release(&down);
+    release(&open);
+    world_end(closed);
+    world_end(w);
+}
+
 // ---- errors, threads, input -------------------------------------------------------------------------
 
 enum { seeds = 8, tried = 3 };
@@ -653,6 +696,7 @@ int main(void)
         cmocka_unit_test(frosted_panes_spread_the_sky),
         cmocka_unit_test(diffusing_panes_spread_the_sky),
         cmocka_unit_test(figures_count_hours),
+        cmocka_unit_test(shades_go_down_in_the_sun),
         cmocka_unit_test(standard_errors_tell_the_spread),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(grids_stand_on_floors),

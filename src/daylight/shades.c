@@ -1,0 +1,42 @@
+#include "shades.h"
+
+#include "../core/core.h"
+
+rsv_status rsv_shades_check(const rsv_daylight *d, const rsv_daylight_run_desc *desc)
+{
+    const rsv_daylight *s = desc->shaded;
+    if (!s) return RSV_OK;
+    if (s->sensor_count != d->sensor_count || s->patches.count != d->patches.count ||
+        s->desc.north != d->desc.north)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "daylight: the scene with its shades down has other sensors, patches or another north");
+    if (desc->shade_lux > 0 && desc->shade_share >= 0 && desc->shade_share <= 1) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT,
+        "daylight: shades need an illuminance above 0 and a share within 0 to 1 to go down at");
+}
+
+/// Whether the sun shines on enough of the sensors.
+static bool is_sunny(const rsv_daylight *d, const rsv_sensor_place *place, const rsv_lit_hour *hour,
+    const rsv_daylight_run_desc *desc)
+{
+    size_t needed = (size_t)ceil(desc->shade_share * (double)d->sensor_count - 1e-9), found = 0;
+    if (needed < 1) needed = 1;
+    for (size_t s = 0; s < d->sensor_count && found < needed; s++)
+        found += (double)rsv_year_sun_at(d, &place[s], hour) >= desc->shade_lux;
+    return found >= needed;
+}
+
+rsv_status rsv_shades_lower(
+    const rsv_daylight *d, const rsv_year *year, const rsv_daylight_run_desc *desc, uint8_t *down)
+{
+    rsv_sensor_place *place = rsv_alloc(d->context, d->sensor_count, sizeof *place);
+    if (!place) return RSV_ERROR_MEMORY;
+    for (size_t s = 0; s < d->sensor_count; s++)
+        place[s] = rsv_sensor_place_of(d, s);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(d->context))
+    for (size_t k = 0; k < year->lit_count; k++)
+        if (year->lit[k].direct > 0 && !rsv_cancelled(d->context))
+            down[k] = is_sunny(d, place, &year->lit[k], desc);
+    rsv_free(d->context, place);
+    return rsv_progress(d->context, "shades", 1);
+}
