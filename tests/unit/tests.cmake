@@ -92,17 +92,19 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake brute_force bsdf_lobes contacts environment faults fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
-    rough_sky subsurface translucent PROPERTIES LABELS slow)
+set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
+    rough_sky sides subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         plan random_scenes shadows update)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS brute_force certify doubled probe_errors random_certificates random_scenes rough_box solve)
+foreach(name IN ITEMS brute_force certify doubled fog_reference probe_errors random_certificates random_scenes rough_box solve)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)
 target_link_libraries(test_texture_formats PRIVATE PkgConfig::WEBP PkgConfig::ZLIB meshoptimizer::meshoptimizer)
 rsv_add_test(sky unit/test_sky.c)
 rsv_add_test(daylight unit/test_daylight.c)
+rsv_add_part(daylight slow)
+rsv_add_part(daylight long)
 rsv_add_test(luminaire unit/test_luminaire.c)
