@@ -56,6 +56,11 @@ static const char help[] =
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
     "            scene as a whole, and by how much the two solutions differ; on gallery\n"
+    "  moving    an object that moves from frame to frame: the light updated for each frame, "
+    "beside\n"
+    "            solving it anew: time, what was kept, by how much they differ, and what light of\n"
+    "            frames before would be off by; a block sliding in cornell-blocks, the door of\n"
+    "            two-rooms opening\n"
     "  fig8      frames per second against ambient occlusion, by rays and from the depth buffer,\n"
     "            over meshes of 128, 512, 1024 and 3096 KB\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
@@ -80,7 +85,8 @@ static const char help[] =
     "  --threads N       default: one per processor\n"
     "  --repeat N        assemble, cluster, fig8, fps, gpu, move, quality, solvers: time\n"
     "                    everything N times (default 3 to 21)\n"
-    "  --frames N        fps, rooms: of the flight (default: what 3 seconds hold, 3 to 120)\n"
+    "  --frames N        fps, rooms: of the flight (default: what 3 seconds hold, 3 to 120);\n"
+    "                    moving: default 8\n"
     "  --size N          quality: pixels along each side of the pictures (default 256); fig8:\n"
     "                    their rows, of 16:9 (default 720)\n"
     "  --size WxH        fps, rooms: pixels of a frame (default 1280x720); rooms compares frames "
@@ -105,7 +111,8 @@ static const char help[] =
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
     "                    medium); quality: the best solution to compare (default high); rebake:\n"
-    "                    of both solutions (default medium); gpu: of the operator (default high);\n"
+    "                    of both solutions (default medium); moving: likewise (default draft); "
+    "gpu: of the operator (default high);\n"
     "                    fps and rooms: of a scene that is not solved yet (default draft and "
     "medium);\n"
     "                    pictures: the best solution to compare (default medium)\n"
@@ -219,6 +226,13 @@ static const benchmark benchmarks[] = {
         .scenes = { "gallery" },
         .repetitions = 1,
         .quality = RSV_QUALITY_MEDIUM },
+    { .name = "moving",
+        .run = cli_bench_moving,
+        .print = cli_print_moving,
+        .write_csv = cli_write_moving_csv,
+        .scenes = { "cornell-blocks", "two-rooms" },
+        .repetitions = 1,
+        .quality = RSV_QUALITY_DRAFT },
     { .name = "goal",
         .run = cli_bench_goal,
         .print = cli_print_goal,
@@ -364,8 +378,9 @@ static int check_settings(const benchmark *b, const settings *s)
     if (references && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--reference belongs to bench quality");
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
-        return cli_usage_error("bench", "--csv and --plot belong to bench quality, solvers, "
-                                        "certificate, goal, rebake, levels, fps, fig8 and scale");
+        return cli_usage_error("bench",
+            "--csv and --plot belong to bench quality, solvers, "
+            "certificate, goal, rebake, moving, levels, fps, fig8 and scale");
     if (s->mesh && b->run == cli_bench_fig8)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
@@ -379,13 +394,16 @@ static int check_settings(const benchmark *b, const settings *s)
     if (s->bench.strips && !is_rooms)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
-        b->run != cli_bench_rebake && b->run != cli_bench_gpu && !flies)
+        b->run != cli_bench_rebake && b->run != cli_bench_moving && b->run != cli_bench_gpu &&
+        !flies)
         return cli_usage_error("bench",
-            "--quality belongs to bench levels, quality, rebake, gpu, fps, rooms and pictures");
+            "--quality belongs to bench levels, quality, rebake, moving, gpu, fps, rooms and "
+            "pictures");
     if (s->bench.gloss >= 0 && !flies)
         return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
-    if (s->bench.frames && (!flies || b->run == cli_bench_pictures))
-        return cli_usage_error("bench", "--frames belongs to bench fps and rooms");
+    bool has_frames = (flies && b->run != cli_bench_pictures) || b->run == cli_bench_moving;
+    if (s->bench.frames && !has_frames)
+        return cli_usage_error("bench", "--frames belongs to bench fps, rooms and moving");
     if (s->size.width && !b->size && !flies)
         return cli_usage_error(
             "bench", "--size belongs to bench quality, fig8, fps, rooms and pictures");

@@ -123,6 +123,11 @@ bool cli_write_fig8_plot(const char *path, const struct cJSON *scenes);
 bool cli_write_columns(
     const char *path, const struct cJSON *rows, const char *const *columns, size_t column_count);
 
+/// An object that moves from frame to frame: updates of its light beside solving anew.
+bool cli_bench_moving(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_moving(const struct cJSON *result);
+bool cli_write_moving_csv(const char *path, const struct cJSON *scenes);
+
 /// Error of the first camera's picture over elements, with and without that picture as the goal.
 bool cli_bench_goal(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_goal(const struct cJSON *result);

@@ -65,9 +65,18 @@ static bool belong_together(const rsv_scene_view *view, size_t a, size_t b)
            view->triangle_material[a] == view->triangle_material[b];
 }
 
-/// Triangles [first, end) of one object and material, as a mesh of their own.
+/// @param place column-major 4x4 @param w 1 = a point, 0 = a direction
+static rsv_vec3 put(const float place[16], rsv_vec3 v, float w)
+{
+    float r[3];
+    for (int k = 0; k < 3; k++)
+        r[k] = place[k] * v.x + place[4 + k] * v.y + place[8 + k] * v.z + place[12 + k] * w;
+    return (rsv_vec3){ r[0], r[1], r[2] };
+}
+
+/// Triangles [first, end) of one object and material, as a mesh of their own. @param place NULL = as it is
 static rsv_status copy_mesh(
-    const rsv_scene_view *view, size_t first, size_t end, float shift, rsv_scene *copy)
+    const rsv_scene_view *view, size_t first, size_t end, const float *place, rsv_scene *copy)
 {
     size_t count = 3 * (end - first);
     rsv_vec3 *position = malloc(count * sizeof *position), *normal = malloc(count * sizeof *normal);
@@ -75,8 +84,10 @@ static rsv_status copy_mesh(
     for (size_t k = 0; k < count && status == RSV_OK; k++) {
         uint32_t vertex = view->triangle[first + k / 3][k % 3];
         position[k] = view->position[vertex];
-        position[k].x += shift;
         normal[k] = view->normal[vertex];
+        if (!place) continue;
+        position[k] = put(place, position[k], 1);
+        normal[k] = put(place, normal[k], 0);
     }
     const rsv_mesh_desc mesh = { .name = view->object_name[view->triangle_object[first]],
         .positions = position,
@@ -93,7 +104,7 @@ static rsv_status copy_mesh(
 }
 
 static rsv_status copy_all(
-    const rsv_scene_view *view, uint32_t object, float metres, rsv_scene *copy)
+    const rsv_scene_view *view, uint32_t object, const float place[16], rsv_scene *copy)
 {
     rsv_status status = RSV_OK;
     uint32_t id;
@@ -103,26 +114,35 @@ static rsv_status copy_all(
         size_t end = t + 1;
         while (end < view->triangle_count && belong_together(view, t, end))
             end++;
-        status = copy_mesh(view, t, end, view->triangle_object[t] == object ? metres : 0, copy);
+        status = copy_mesh(view, t, end, view->triangle_object[t] == object ? place : NULL, copy);
         t = end;
     }
     for (size_t k = 0; k < view->light_count && status == RSV_OK; k++)
         status = rsv_scene_add_light(copy, &view->light[k]);
+    for (size_t k = 0; k < view->camera_count && status == RSV_OK; k++)
+        status = rsv_scene_add_camera(copy, &view->camera[k]);
     if (status == RSV_OK && view->environment)
         status = rsv_scene_set_environment(copy, view->environment);
     return status == RSV_OK ? rsv_scene_commit(copy) : status;
 }
 
-rsv_status cli_copy_scene_moved(
-    const rsv_scene *scene, uint32_t object, float metres, rsv_scene **copy)
+rsv_status cli_copy_scene_placed(
+    const rsv_scene *scene, uint32_t object, const float place[16], rsv_scene **copy)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     *copy = NULL;
     if (view->texture_count > 0 || view->color) return RSV_ERROR_UNSUPPORTED;
     rsv_status status = rsv_scene_create(rsv_scene_get_context(scene), copy);
-    if (status == RSV_OK) status = copy_all(view, object, metres, *copy);
+    if (status == RSV_OK) status = copy_all(view, object, place, *copy);
     if (status == RSV_OK) return status;
     rsv_scene_destroy(*copy);
     *copy = NULL;
     return status;
+}
+
+rsv_status cli_copy_scene_moved(
+    const rsv_scene *scene, uint32_t object, float metres, rsv_scene **copy)
+{
+    const float place[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, metres, 0, 0, 1 };
+    return cli_copy_scene_placed(scene, object, place, copy);
 }

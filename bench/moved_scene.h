@@ -11,6 +11,11 @@ uint32_t cli_find_movable_object(const rsv_scene *scene);
 /// Metres along x.
 float cli_object_extent(const rsv_scene *scene, uint32_t object);
 
+/// Everything as it is, but one object put elsewhere. @param place column-major 4x4 that moves and turns
+/// @return RSV_ERROR_UNSUPPORTED for scenes with textures
+rsv_status cli_copy_scene_placed(
+    const rsv_scene *scene, uint32_t object, const float place[16], rsv_scene **copy);
+
 /// Everything as it is, but one object shifted along x. @return RSV_ERROR_UNSUPPORTED for scenes with textures
 rsv_status cli_copy_scene_moved(
     const rsv_scene *scene, uint32_t object, float metres, rsv_scene **copy);

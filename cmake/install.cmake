@@ -41,10 +41,10 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/resolventConfigVersion.cm
 install(FILES ${PROJECT_BINARY_DIR}/resolventConfig.cmake
     ${PROJECT_BINARY_DIR}/resolventConfigVersion.cmake DESTINATION ${package_folder} COMPONENT development)
 
-# The prefix is found from where the file lies, so that `cmake --install --prefix` may choose it. Embree has
-# no pkg-config file of its own.
+# The prefix is found from where the file lies, so that `cmake --install --prefix` may choose it. Embree and meshoptimizer have
+# no pkg-config files of their own.
 file(RELATIVE_PATH RSV_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
-set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} ${OpenMP_C_FLAGS} -lstdc++ -lm")
+set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} -lmeshoptimizer ${OpenMP_C_FLAGS} -lstdc++ -lm")
 configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent.pc.in ${PROJECT_BINARY_DIR}/resolvent.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/resolvent.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent_rt.pc.in ${PROJECT_BINARY_DIR}/resolvent_rt.pc @ONLY)

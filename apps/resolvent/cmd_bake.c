@@ -1,5 +1,6 @@
 #include "checkpoint.h"
 #include "command.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -46,8 +47,8 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
-        CLI_CHECKPOINT_HELP
+    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
+        CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -62,6 +63,7 @@ typedef struct settings {
     int target_index; ///< into rsv_bake_target_names(); -1 = missing
     const char *target;
     cli_environment environment;
+    cli_moment moment;
     cli_reading reading;
     cli_solve_choice solve;
     cli_checkpoint checkpoint;
@@ -131,6 +133,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         PROBE_OPTIONS(&s->bake),
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
@@ -257,6 +260,7 @@ static int run(cli_session *session, settings *s)
 {
     cli_subject subject;
     session->mesh = s->mesh;
+    session->moment = s->moment;
     session->reading = s->reading;
     session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
@@ -287,6 +291,7 @@ int cli_bake(int argc, char **argv)
     settings s = { .target_index = -1,
         .solve = CLI_DEFAULT_SOLVE,
         .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST,
         .bake = rsv_default_bake_desc() };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;

@@ -1,5 +1,6 @@
 #include "command.h"
 #include "error_target.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "points_csv.h"
@@ -29,8 +30,8 @@ static const char help[] =
     "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
     "  --rays N           gather rays of each of the two estimates at a point (default "
-    "512)\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
-        CLI_ERROR_TARGET_HELP
+    "512)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
+        CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
     "  --threads N        default: one per processor; the numbers do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
@@ -58,6 +59,7 @@ typedef struct settings {
     cli_size size;
     cli_error_target target;
     cli_environment environment;
+    cli_moment moment;
     cli_reading reading;
     cli_solve_choice solve;
     rsv_certify_desc certify;
@@ -87,6 +89,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 1 << 16 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
@@ -255,13 +258,15 @@ int cli_certify(int argc, char **argv)
 {
     settings s = { .solve = CLI_DEFAULT_SOLVE,
         .certify = rsv_default_certify_desc(),
-        .environment = CLI_DEFAULT_ENVIRONMENT };
+        .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     cli_session session;
     exit_status = CLI_FAILURE;
     if (check_files(&s) && cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.moment = s.moment;
         session.reading = s.reading;
         exit_status = run(&session, &s);
         cli_session_end(&session);

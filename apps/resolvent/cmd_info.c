@@ -1,5 +1,6 @@
 #include "command.h"
 #include "luminaire_info.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -11,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char help[] =
     "usage: resolvent info SCENE [options]\n"
@@ -27,8 +29,8 @@ static const char help[] =
     "                     light leaks through, tiny or huge scale, missing light; with what of "
     "the\n"
     "                     file is approximated or left out\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP
-        CLI_FOG_HELP "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info --check room.glb\n"
@@ -277,6 +279,18 @@ static void add_cameras(cJSON *root, const rsv_scene_view *view)
     }
 }
 
+static void add_clips(cJSON *root, const rsv_animation *animation)
+{
+    cJSON *clips = cJSON_AddArrayToObject(root, "animations");
+    for (size_t k = 0; animation && k < rsv_animation_clip_count(animation); k++) {
+        const rsv_clip *clip = rsv_animation_clip(animation, k);
+        cJSON *item = add_named_item(clips, clip->name);
+        cJSON_AddNumberToObject(item, "start", clip->start);
+        cJSON_AddNumberToObject(item, "end", clip->end);
+        cJSON_AddNumberToObject(item, "channels", (double)clip->channel_count);
+    }
+}
+
 /// What --check found.
 typedef struct findings {
     bool wanted;
@@ -327,6 +341,7 @@ static bool print_json(const cli_session *session, const char *name, const cli_s
     add_environment(root, view);
     add_fog(root, view);
     add_cameras(root, view);
+    add_clips(root, session->animation);
     add_operator(root, subject->solution);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     for (size_t i = 0; i < session->warnings.count; i++)
@@ -481,6 +496,17 @@ static void print_cameras(const rsv_scene_view *view)
     }
 }
 
+static void print_clips(const rsv_animation *animation)
+{
+    size_t count = animation ? rsv_animation_clip_count(animation) : 0;
+    if (count) printf("\nanimations: %zu\n", count);
+    for (size_t k = 0; k < count; k++) {
+        const rsv_clip *clip = rsv_animation_clip(animation, k);
+        print_name(clip->name);
+        printf("  %.4g s to %.4g s, %zu channels\n", clip->start, clip->end, clip->channel_count);
+    }
+}
+
 static void print_operator(const rsv_light *solution)
 {
     if (!solution) return;
@@ -494,7 +520,8 @@ static void print_operator(const rsv_light *solution)
         report->mean_irradiance, report->truncation_bound, rsv_solver_name(report->solver));
 }
 
-static void print_text(const char *name, const cli_subject *subject, const totals *t)
+static void print_text(
+    const cli_session *session, const char *name, const cli_subject *subject, const totals *t)
 {
     const rsv_scene_view *view = rsv_scene_get_view(subject->scene);
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
@@ -511,7 +538,21 @@ static void print_text(const char *name, const cli_subject *subject, const total
     print_environment(view);
     print_fog(view);
     print_cameras(view);
+    print_clips(session->animation);
     print_operator(subject->solution);
+}
+
+/// The animations of a glTF file; one that cannot be played is no reason to say nothing of the rest.
+static bool open_clips(cli_session *session, const char *name)
+{
+    bool may_have = cli_ends_in(name, ".glb") || cli_ends_in(name, ".gltf");
+    if (session->animation || !may_have || access(name, F_OK) != 0) return true;
+    rsv_status status = rsv_animation_open(session->context, name, NULL, &session->animation);
+    if (status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED)
+        cli_warn(session, rsv_last_error());
+    else if (status != RSV_OK)
+        cli_report_failure(session, status);
+    return status == RSV_OK || status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED;
 }
 
 static void print_messages(const char *title, const cli_messages *messages)
@@ -548,10 +589,10 @@ static bool print_subject(cli_session *session, const request *r)
     totals t = { 0 };
     findings found = { .wanted = r->check };
     bool printed = cli_open_subject(session, r->name, &r->environment, &subject) &&
-                   add_up(rsv_scene_get_view(subject.scene), &t) &&
+                   open_clips(session, r->name) && add_up(rsv_scene_get_view(subject.scene), &t) &&
                    look_for_mistakes(session, subject.scene, &found);
     if (printed && r->json) printed = print_json(session, r->name, &subject, &t, &found);
-    if (printed && !r->json) print_text(r->name, &subject, &t);
+    if (printed && !r->json) print_text(session, r->name, &subject, &t);
     if (printed && !r->json && r->check) print_findings(session, &found);
     if (found.finding) rsv_findings_release(subject.scene, found.finding);
     free_totals(&t);
@@ -564,10 +605,12 @@ int cli_info(int argc, char **argv)
     const char *mesh = NULL;
     request r = { .environment = CLI_DEFAULT_ENVIRONMENT };
     cli_reading reading = { 0 };
+    cli_moment moment = CLI_AT_REST;
     const cli_option options[] = {
         { .name = "--json", .kind = CLI_FLAG, .value = &r.json },
         { .name = "--check", .kind = CLI_FLAG, .value = &r.check },
         CLI_MESH_OPTION(&mesh),
+        CLI_MOMENT_OPTIONS(&moment),
         CLI_ENVIRONMENT_OPTIONS(&r.environment),
         CLI_READING_OPTIONS(&reading),
         CLI_FOG_OPTIONS(&r.environment),
@@ -579,6 +622,7 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
+    session.moment = moment;
     session.reading = reading;
     bool printed = cli_is_luminaire(r.name) ? cli_print_luminaire(&session, r.name, r.json)
                                             : print_subject(&session, &r);

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "photometry.h"
@@ -27,7 +28,7 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
     "lux,err_lux, and\n"
@@ -51,6 +52,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
+    cli_moment moment;
     cli_reading reading;
     cli_solve_choice solve;
     int mode;
@@ -74,6 +76,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
@@ -219,7 +222,8 @@ int cli_probe(int argc, char **argv)
     static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
     settings s = { .mode = RSV_PROBE_OPERATOR,
         .solve = CLI_DEFAULT_SOLVE,
-        .environment = CLI_DEFAULT_ENVIRONMENT };
+        .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (s.samples == 0) s.samples = samples_by_quality[s.solve.quality];
@@ -231,6 +235,7 @@ int cli_probe(int argc, char **argv)
         cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
+        session.moment = s.moment;
         session.reading = s.reading;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);

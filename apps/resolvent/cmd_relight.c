@@ -2,6 +2,7 @@
 #include "crew.h"
 #include "device.h"
 #include "exposure.h"
+#include "frame_path.h"
 #include "light_script.h"
 #include "object_picture.h"
 #include "options.h"
@@ -265,29 +266,11 @@ static void enter_frame(settings *s, uint32_t frame)
     }
 }
 
-/// Where the number of a frame goes: the length of "%0Nd" or "%d", 0 if there is none.
-static size_t number_at(const char *path, const char **start, int *digits)
-{
-    char *end;
-    *start = strchr(path, '%');
-    if (!*start) return 0;
-    *digits = (int)strtol(*start + 1, &end, 10);
-    return *end == 'd' && *digits >= 0 && *digits < 10 && !strchr(end, '%')
-               ? (size_t)(end + 1 - *start)
-               : 0;
-}
-
 /// @return false if the name is too long, or has no place for a number and needs one
 static bool output_path(const settings *s, size_t output, uint32_t frame, char path[PATH_MAX])
 {
-    const char *pattern = s->outputs.item[output], *start;
-    int digits, length;
-    size_t cut = s->script ? number_at(pattern, &start, &digits) : 0;
-    if (s->script && !cut) return false;
-    length = cut ? snprintf(path, PATH_MAX, "%.*s%0*u%s", (int)(start - pattern), pattern, digits,
-                       frame, start + cut)
-                 : snprintf(path, PATH_MAX, "%s", pattern);
-    return length > 0 && length < PATH_MAX;
+    if (s->script) return cli_frame_path(s->outputs.item[output], frame, path);
+    return snprintf(path, PATH_MAX, "%s", s->outputs.item[output]) < PATH_MAX;
 }
 
 static bool check_output(const char *path)

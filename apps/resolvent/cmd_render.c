@@ -3,14 +3,19 @@
 #include "device.h"
 #include "error_target.h"
 #include "exposure.h"
+#include "frame_path.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
 #include "subject.h"
 
 #include "resolvent/plan.h"
+#include "resolvent/update.h"
 
+#include <cJSON.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,8 +46,8 @@ static const char help[] =
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
-    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP
-        CLI_FOG_HELP CLI_SOLVE_HELP
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --fstop N          depth of field: focal length over N is the diameter of the aperture, on "
     "film\n"
@@ -72,6 +77,7 @@ static const char help[] =
     "  resolvent render room.glb -o room.exr --error 3%\n"
     "  resolvent render room.glb -o room.exr --max-time 10\n"
     "  resolvent render room.glb -o room.exr --quality draft --error 2% --max-time 600\n"
+    "  resolvent render walk.glb -o walk-%03d.png --frames 0-47 --fps 24 --mode operator\n"
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
 
@@ -90,6 +96,8 @@ static const char *const projection_names[] = { [RSV_PROJECTION_CAMERA] = "persp
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
+    cli_moment moment;
+    cli_sequence sequence;
     cli_reading reading;
     cli_error_target target;
     cli_solve_choice solve;
@@ -111,6 +119,23 @@ static bool is_planned(const settings *s)
 {
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
+}
+
+/// What does not go together.
+static bool check_sequence(settings *s, int *exit_status)
+{
+    bool at_time = isfinite(s->moment.time), in_sequence = s->sequence.frames != NULL;
+    *exit_status = CLI_BAD_USAGE;
+    if (s->moment.clip && !at_time && !in_sequence)
+        cli_usage_error("render", "--clip does nothing without --time or --frames");
+    else if (at_time && in_sequence)
+        cli_usage_error("render", "--time is one moment, --frames are many: leave out one of them");
+    else if (in_sequence && (s->target.share > 0 || s->target.max_seconds > 0))
+        cli_usage_error("render", "--error and --max-time are of one picture: leave out --frames, "
+                                  "or choose --quality and --spp");
+    else
+        return !in_sequence || cli_read_sequence("render", &s->sequence);
+    return false;
 }
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -144,6 +169,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
+        { .name = "--time", .kind = CLI_REAL, .value = &s->moment.time, .min = -1e6, .max = 1e6 },
+        { .name = "--clip", .kind = CLI_TEXT, .value = &s->moment.clip },
+        CLI_SEQUENCE_OPTIONS(&s->sequence),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
@@ -158,7 +186,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    s->planned = is_planned(s);
+    if (!check_sequence(s, exit_status)) return false;
+    s->planned = is_planned(s) && !s->sequence.frames;
     if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
     if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
     *exit_status = cli_usage_error("render", "--max-time does nothing without --error, but for "
@@ -171,6 +200,27 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 static bool is_solved(const settings *s)
 {
     return s->mode == RSV_RENDER_OPERATOR || s->mode == RSV_RENDER_FINAL;
+}
+
+/// The name of a picture; of a sequence's, one with a number. @return false after saying why it has none
+static bool picture_path(
+    const settings *s, const char *pattern, uint32_t frame, char path[PATH_MAX])
+{
+    if (!s->sequence.frames) return snprintf(path, PATH_MAX, "%s", pattern) < PATH_MAX;
+    if (cli_frame_path(pattern, frame, path)) return true;
+    cli_error("-o %s: with --frames a name says where the number of the frame goes, as in "
+              "frame-%%04d.png",
+        pattern);
+    return false;
+}
+
+static bool check_picture(const settings *s, const char *pattern)
+{
+    char path[PATH_MAX];
+    if (!picture_path(s, pattern, s->sequence.last, path)) return false;
+    if (rsv_image_check_output(path) == RSV_OK) return cli_check_apart(s->stats, path);
+    cli_error("%s", rsv_last_error());
+    return false;
 }
 
 /// What this build cannot do, and outputs that cannot be written, are said before the long work.
@@ -205,12 +255,7 @@ static bool check_request(const settings *s)
         return false;
     }
     for (size_t i = 0; i < s->outputs.count; i++)
-        if (rsv_image_check_output(s->outputs.item[i]) != RSV_OK) {
-            cli_error("%s", rsv_last_error());
-            return false;
-        } else if (!cli_check_apart(s->stats, s->outputs.item[i])) {
-            return false;
-        }
+        if (!check_picture(s, s->outputs.item[i])) return false;
     return !s->stats || cli_check_output(s->stats);
 }
 
@@ -276,29 +321,42 @@ static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
     return picture->width * (size_t)picture->height * bytes;
 }
 
-/// @param certificate filled where the statistics want it
-static rsv_status solve(cli_session *session, const settings *s, const rsv_render_desc *picture,
-    cli_subject *subject, rsv_certificate *certificate)
+static rsv_solve_desc describe_solve(
+    const settings *s, const rsv_scene *scene, const rsv_render_desc *picture)
 {
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     desc.reserved_bytes = picture_bytes(s, picture);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
-    if (s->goal) desc.goal_camera = rsv_scene_find_camera(subject->scene, s->camera);
+    if (s->goal) desc.goal_camera = rsv_scene_find_camera(scene, s->camera);
+    return desc;
+}
+
+/// @param certificate filled where the statistics want it
+static rsv_status solve(cli_session *session, const settings *s, const rsv_render_desc *picture,
+    cli_subject *subject, rsv_certificate *certificate)
+{
+    rsv_solve_desc desc = describe_solve(s, subject->scene, picture);
     bool is_certified = !subject->solution && s->target.share > 0;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
     if (status != RSV_OK || is_certified) return status;
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
-/// @param exposure out: of .png
-static rsv_status write_pictures(
-    cli_session *session, const settings *s, const rsv_image *image, float *exposure)
+/// Of .png.
+static float choose_exposure(cli_session *session, const settings *s, const rsv_image *image)
 {
-    rsv_status status = RSV_OK;
     bool wanted = cli_writes_png(&s->outputs) && cli_exposes(session, s->scene, s->exposure);
-    *exposure = cli_expose(session, wanted, s->exposure, image);
+    return cli_expose(session, wanted, s->exposure, image);
+}
+
+static rsv_status write_pictures(
+    const settings *s, uint32_t frame, const rsv_image *image, float exposure)
+{
+    char path[PATH_MAX];
+    rsv_status status = RSV_OK;
     for (size_t i = 0; cli_crew_speaks() && i < s->outputs.count && status == RSV_OK; i++)
-        status = rsv_image_write(image, s->outputs.item[i], *exposure);
+        if (picture_path(s, s->outputs.item[i], frame, path)) // check_picture saw to it
+            status = rsv_image_write(image, path, exposure);
     return status;
 }
 
@@ -314,9 +372,9 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->samples = stats->is_planned ? stats->plan.samples : desc->samples;
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
-    stats->report = solution ? rsv_light_report(solution) : NULL;
+    if (solution) stats->report = rsv_light_report(solution);
     stats->certificate = solution ? certificate : NULL;
-    stats->order_count = solution ? rsv_light_order_count(solution) : 0;
+    if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
 
@@ -370,6 +428,108 @@ static rsv_status render(const settings *s, const rsv_render_desc *desc, const c
     return status;
 }
 
+// ---- sequences ------------------------------------------------------------------------------------
+
+/// What the frames of a sequence have in common.
+typedef struct reel {
+    cli_session *session;
+    const settings *s;
+    rsv_update_store *store; ///< what the last frame's light knew
+    rsv_solve_report sum;    ///< the last one's, with times and rays of all
+    rsv_update_report kept;  ///< of all
+    cli_stats stats;
+    float exposure; ///< of all frames: what shows the first one well
+} reel;
+
+static void add_reports(reel *r, const rsv_solve_report *report, const rsv_update_report *kept)
+{
+    rsv_solve_report before = r->sum;
+    r->sum = *report;
+    r->sum.rays += before.rays;
+    r->sum.row_rays += before.row_rays;
+    r->sum.kept_row_rays += before.kept_row_rays;
+    r->sum.spared_seconds += before.spared_seconds;
+    r->sum.time_bvh += before.time_bvh;
+    r->sum.time_assemble += before.time_assemble;
+    r->sum.time_solve += before.time_solve;
+    r->kept.rows += kept->rows;
+    r->kept.kept_rows += kept->kept_rows;
+    r->kept.seconds += kept->seconds;
+}
+
+/// The light of a frame, from what still holds of the one before.
+static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *picture)
+{
+    rsv_update_report kept;
+    rsv_solve_desc desc = describe_solve(r->s, subject->scene, picture);
+    rsv_status status =
+        rsv_operator_update(subject->scene, &desc, r->store, &subject->solution, &kept);
+    if (status == RSV_OK) add_reports(r, rsv_light_report(subject->solution), &kept);
+    return status;
+}
+
+static bool run_frame(reel *r, uint32_t frame)
+{
+    cli_subject subject = { 0 };
+    rsv_image *image = NULL;
+    rsv_render_desc desc;
+    cli_stats stats = { .standard_error = NAN };
+    const settings *s = r->s;
+    r->session->moment.time = cli_frame_time(&s->sequence, frame);
+    subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
+    bool good = subject.scene && describe_picture(s, subject.scene, &desc);
+    rsv_status status = good && is_solved(s) ? update(r, &subject, &desc) : RSV_OK;
+    if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
+    if (good && status == RSV_OK && frame == s->sequence.first)
+        r->exposure = choose_exposure(r->session, s, image);
+    if (good && status == RSV_OK) status = write_pictures(s, frame, image, r->exposure);
+    if (status != RSV_OK) cli_report_failure(r->session, status);
+    r->stats.time_render += stats.time_render;
+    r->stats.standard_error = stats.standard_error;
+    r->stats.width = good ? desc.width : 0;
+    r->stats.height = good ? desc.height : 0;
+    r->stats.samples = good ? desc.samples : 0;
+    r->stats.order_count = subject.solution ? rsv_light_order_count(subject.solution) : 0;
+    rsv_image_destroy(image);
+    cli_close_subject(&subject);
+    return good && status == RSV_OK;
+}
+
+static bool write_reel_stats(reel *r)
+{
+    const settings *s = r->s;
+    const rsv_render_desc desc = {
+        .width = r->stats.width, .height = r->stats.height, .samples = r->stats.samples
+    };
+    if (!s->stats) return true;
+    r->stats.more = cJSON_CreateObject();
+    cJSON_AddNumberToObject(r->stats.more, "frames", s->sequence.last - s->sequence.first + 1);
+    cJSON_AddNumberToObject(r->stats.more, "rows_of_all_frames", (double)r->kept.rows);
+    cJSON_AddNumberToObject(r->stats.more, "kept_rows_of_all_frames", (double)r->kept.kept_rows);
+    cJSON_AddNumberToObject(r->stats.more, "update_seconds", r->kept.seconds);
+    r->stats.report = is_solved(s) ? &r->sum : NULL;
+    if (cli_writes_png(&s->outputs)) r->stats.exposure = &r->exposure;
+    return write_stats(r->session, s, &desc, NULL, NULL, &r->stats);
+}
+
+static int run_sequence(cli_session *session, const settings *s)
+{
+    reel r = { .session = session, .s = s };
+    uint32_t first = s->sequence.first, last = s->sequence.last;
+    rsv_status status = rsv_update_store_create(session->context, &r.store);
+    bool good = status == RSV_OK;
+    if (!good) cli_report_failure(session, status);
+    if (good && s->layers && !writes_exr(s))
+        cli_warn(session, "--layers: only .exr files hold layers");
+    for (uint32_t frame = first; good && frame <= last; frame++) {
+        if (first < last)
+            cli_progress_part(&session->progress, "frame", frame - first + 1, last - first + 1);
+        good = run_frame(&r, frame);
+    }
+    rsv_update_store_destroy(r.store);
+    return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;
+}
+
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
@@ -391,7 +551,10 @@ static int run(cli_session *session, const settings *s)
     if (status == RSV_OK && s->planned && subject.solution)
         status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
     if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
-    if (status == RSV_OK) status = write_pictures(session, s, image, &exposure);
+    if (status == RSV_OK) {
+        exposure = choose_exposure(session, s, image);
+        status = write_pictures(s, 0, image, exposure);
+    }
     if (cli_writes_png(&s->outputs)) stats.exposure = &exposure;
     if (status != RSV_OK)
         cli_report_failure(session, status);
@@ -410,6 +573,8 @@ int cli_render(int argc, char **argv)
     settings s = { .mode = RSV_RENDER_FINAL,
         .solve = { .quality = -1 },
         .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST,
+        .sequence = CLI_DEFAULT_SEQUENCE,
         .exposure = CLI_AUTO_EXPOSURE,
         .noise = -1 };
     int exit_status;
@@ -420,8 +585,9 @@ int cli_render(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.moment = s.moment;
     session.reading = s.reading;
-    exit_status = run(&session, &s);
+    exit_status = s.sequence.frames ? run_sequence(&session, &s) : run(&session, &s);
     cli_session_end(&session);
     return exit_status;
 }

@@ -1,6 +1,7 @@
 #include "checkpoint.h"
 #include "command.h"
 #include "device.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "points_csv.h"
@@ -19,8 +20,8 @@ static const char help[] =
     "`info`\n"
     "take in place of a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
-    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP
-        CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
+    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
     "  --goal             spend elements on what the camera sees and on what lights that\n"
     "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
     "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
@@ -42,6 +43,7 @@ typedef struct settings {
     bool goal, no_document;
     cli_points sensors; ///< of --points
     cli_environment environment;
+    cli_moment moment;
     cli_reading reading;
     cli_error_target target;
     cli_solve_choice solve;
@@ -63,6 +65,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
@@ -152,7 +155,9 @@ cleanup:
 
 int cli_solve(int argc, char **argv)
 {
-    settings s = { .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT };
+    settings s = {
+        .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT, .moment = CLI_AT_REST
+    };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) ||
@@ -166,6 +171,7 @@ int cli_solve(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.moment = s.moment;
     session.reading = s.reading;
     session.keep_document = !s.no_document;
     exit_status = run(&session, &s);

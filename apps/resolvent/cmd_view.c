@@ -2,6 +2,7 @@
 #include "crew.h"
 #include "device.h"
 #include "exposure.h"
+#include "moment.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -40,7 +41,7 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
@@ -55,6 +56,7 @@ static const char help_tail[] =
 typedef struct settings {
     const char *scene, *camera, *script, *record, *mesh, *object, *stats;
     cli_environment environment;
+    cli_moment moment;
     cli_reading reading;
     cli_solve_choice solve;
     cli_size size;
@@ -104,6 +106,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
+        CLI_MOMENT_OPTIONS(&s->moment),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
@@ -226,6 +229,7 @@ static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
+    v->session->moment = CLI_AT_REST; // of the scene alone
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
     cli_progress_clear(&v->session->progress);
     return must_await(v) ? await_light(v) : begin_show(v);
@@ -442,6 +446,7 @@ static bool run(viewer *v)
 int cli_view(int argc, char **argv)
 {
     settings s = { .environment = CLI_DEFAULT_ENVIRONMENT,
+        .moment = CLI_AT_REST,
         .solve = CLI_DEFAULT_SOLVE,
         .size = { 960, 540 },
         .budget_ms = 8,
@@ -453,6 +458,7 @@ int cli_view(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.moment = s.moment;
     session.reading = s.reading;
     viewer v = { .settings = &s, .session = &session };
     bool good = open_viewer(&v);

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "moment.h"
 #include "near_name.h"
 
 #include <signal.h>
@@ -122,7 +123,7 @@ static void on_log(void *user, rsv_log_level level, const char *message)
     if (level == RSV_LOG_WARNING)
         cli_warn(session, message);
     else
-        say(session, &session->notes, "note", message);
+        cli_note(session, message);
 }
 
 static bool on_progress(void *user, const char *phase, double fraction)
@@ -165,7 +166,9 @@ const char *cli_reading_given(const cli_reading *reading)
 
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
-    *session = (cli_session){ .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT };
+    *session = (cli_session){
+        .moment = CLI_AT_REST, .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT
+    };
     cli_progress_begin(&session->progress);
     rsv_context_desc desc = rsv_default_context_desc();
     desc.thread_count = (int)threads;
@@ -188,6 +191,7 @@ void cli_session_end(cli_session *session)
 {
     cli_progress_clear(&session->progress);
     interruptible = NULL;
+    rsv_animation_destroy(session->animation);
     rsv_context_destroy(session->context);
     forget(&session->warnings);
     forget(&session->notes);
@@ -254,42 +258,65 @@ static void warn_of_reading(cli_session *session)
     cli_warn(session, line);
 }
 
-rsv_scene *cli_open_scene(
-    cli_session *session, const char *name, const cli_environment *environment)
+/// Options that the kind of scene has no use for.
+static bool check_kind(const cli_session *session, const char *name, bool is_file)
 {
-    rsv_scene *scene = NULL;
-    rsv_status status;
-    rsv_fog fog = rsv_default_fog();
-    double started = cli_seconds();
-    if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
-    if (session->mesh && !rsv_scene_is_builtin(name)) {
+    if (session->mesh && !rsv_scene_is_builtin(name))
         cli_error(
             "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
-        return NULL;
-    }
-    if (environment_is_mistyped(environment)) return NULL;
-    if (access(name, F_OK) == 0 && !session->mesh) {
-        rsv_load_desc load = rsv_default_load_desc();
-        load.keep_document = session->keep_document;
-        load.light_units = (rsv_light_units)session->reading.light_units;
-        load.two_sided = session->reading.two_sided;
-        load.emit_both = session->reading.emit;
-        load.variant = session->reading.variant;
-        status = rsv_scene_load_with(session->context, name, &load, &scene);
+    else if (isfinite(session->moment.time) && !is_file && rsv_scene_is_builtin(name))
+        cli_error("--time: '%s' is a built-in scene, and none of those is animated", name);
+    else
+        return true;
+    return false;
+}
+
+rsv_load_desc cli_describe_load(const cli_session *session)
+{
+    rsv_load_desc load = rsv_default_load_desc();
+    load.keep_document = session->keep_document;
+    load.light_units = (rsv_light_units)session->reading.light_units;
+    load.two_sided = session->reading.two_sided;
+    load.emit_both = session->reading.emit;
+    load.variant = session->reading.variant;
+    return load;
+}
+
+static bool read_scene(cli_session *session, const char *name, bool is_file, rsv_scene **scene)
+{
+    rsv_status status;
+    if (is_file && isfinite(session->moment.time)) return cli_load_moment(session, name, scene);
+    if (is_file) {
+        const rsv_load_desc load = cli_describe_load(session);
+        status = rsv_scene_load_with(session->context, name, &load, scene);
     } else if (rsv_scene_is_builtin(name)) {
         warn_of_reading(session);
-        status = cli_build_scene(session, name, &scene);
+        status = cli_build_scene(session, name, scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());
         cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,
             near ? "did you mean '" : "`resolvent --help` lists those", near ? near : "",
             near ? "'?" : "");
-        return NULL;
+        return false;
     }
-    if (status == RSV_OK) status = add_environment(session, scene, environment);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+rsv_scene *cli_open_scene(
+    cli_session *session, const char *name, const cli_environment *environment)
+{
+    rsv_scene *scene = NULL;
+    rsv_fog fog = rsv_default_fog();
+    double started = cli_seconds();
+    bool is_file = access(name, F_OK) == 0 && !session->mesh;
+    if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
+    if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
+    if (!read_scene(session, name, is_file, &scene)) return NULL;
+    rsv_status status = add_environment(session, scene, environment);
     if (status == RSV_OK) status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
-    session->time_load = cli_seconds() - started;
+    session->time_load += cli_seconds() - started;
     if (status == RSV_OK) return scene;
     cli_report_failure(session, status);
     rsv_scene_destroy(scene);

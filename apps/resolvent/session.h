@@ -6,9 +6,11 @@
 #include "fog_option.h"
 #include "progress.h"
 
+#include "resolvent/animation.h"
 #include "resolvent/io.h"
 #include "resolvent/opfile.h"
 
+#include <math.h>
 #include <stdatomic.h>
 
 /// What was said: each message once in a command, however often its cause comes up.
@@ -16,6 +18,14 @@ typedef struct cli_messages {
     char **text; ///< [count], owned
     size_t count;
 } cli_messages;
+
+/// A moment of an animated scene.
+typedef struct cli_moment {
+    float time;       ///< s; NAN = none: as nodes and weights stand
+    const char *clip; ///< NULL = the first
+} cli_moment;
+
+#define CLI_AT_REST ((cli_moment){ .time = NAN })
 
 /// How scene files are to be understood: what --light-units, --two-sided, --emit and --variant ask for.
 typedef struct cli_reading {
@@ -29,7 +39,9 @@ typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
     cli_messages warnings, notes;
-    const char *mesh; ///< file of --mesh, the body of a built-in scene; NULL = none
+    const char *mesh;         ///< file of --mesh, the body of a built-in scene; NULL = none
+    cli_moment moment;        ///< that scenes are opened at
+    rsv_animation *animation; ///< that scenes came from; NULL = none
     cli_reading reading;
     bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
@@ -136,6 +148,9 @@ typedef struct cli_environment {
 rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment);
 
+/// How the session reads files.
+rsv_load_desc cli_describe_load(const cli_session *session);
+
 /// Whether a signal asked to stop.
 bool cli_interrupted(void);
 
@@ -153,5 +168,8 @@ void cli_note(cli_session *session, const char *message);
 
 /// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);
+
+/// Prints "note: ..." on standard error, unless it was said before.
+void cli_note(cli_session *session, const char *message);
 
 #endif

@@ -22,6 +22,10 @@ static bool refuse_scene_options(
             session->mesh, name);
         return false;
     }
+    if (isfinite(session->moment.time)) {
+        cli_error("--time: '%s' is a solved operator, of one moment; solve another one anew", name);
+        return false;
+    }
     const char *given = cli_reading_given(&session->reading);
     if (given) {
         cli_error("%s: '%s' is a solved operator with a scene of its own; solve anew", given, name);

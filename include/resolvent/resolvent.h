@@ -3,6 +3,7 @@
 #ifndef RESOLVENT_H
 #define RESOLVENT_H
 
+#include "resolvent/animation.h"
 #include "resolvent/bake.h"
 #include "resolvent/certify.h"
 #include "resolvent/check.h"

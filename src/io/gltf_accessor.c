@@ -87,7 +87,7 @@ static void read_element(
     }
 }
 
-/// For messages: "mesh", "skin" or "node", and its name.
+/// For messages: "mesh", "skin", "node" or "animation", and its name.
 typedef struct owner_label {
     const char *kind, *name;
 } owner_label;
@@ -199,6 +199,32 @@ rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document 
         return refuse(accessor, owner, "must hold MAT4 of float");
     *count = a->count;
     return decode(context, document, accessor, owner, (float **)matrices);
+}
+
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
+    const char *animation, rsv_gltf_numbers *numbers)
+{
+    static const char *const needed[] = { "", "must hold SCALAR", "", "must hold VEC3",
+        "must hold VEC4" };
+    const owner_label owner = { "animation", animation };
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    int type = a->span.component_type;
+    if ((size_t)a->component_count != numbers->width)
+        return refuse(accessor, owner, needed[numbers->width]);
+    if (!rsv_gltf_component_bytes(type) || type == RSV_GLTF_UNSIGNED_INT)
+        return refuse(accessor, owner, "must hold floats or normalised 8- or 16-bit integers");
+    rsv_status status = decode(context, document, accessor, owner, &numbers->value);
+    if (status != RSV_OK) return status;
+    numbers->count = a->count;
+    for (size_t k = 0; k < numbers->count * numbers->width; k++) {
+        if (isfinite(numbers->value[k])) continue;
+        rsv_free(context, numbers->value);
+        numbers->value = NULL;
+        return refuse(accessor, owner, "holds a number that is not finite");
+    }
+    return RSV_OK;
 }
 
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,

@@ -32,6 +32,17 @@ rsv_status rsv_gltf_read_instances(rsv_context *context, const rsv_gltf_document
 rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *skin, float (**matrices)[16], size_t *count);
 
+/// Numbers of an animation.
+typedef struct rsv_gltf_numbers {
+    size_t width; ///< components each: 1, 3 or 4
+    float *value; ///< [count * width]; to be freed
+    size_t count;
+} rsv_gltf_numbers;
+
+/// Times or values of an animation: float or normalised integers, all finite. @param numbers `width` in, the rest out
+rsv_status rsv_gltf_read_keys(rsv_context *context, const rsv_gltf_document *document, int accessor,
+    const char *animation, rsv_gltf_numbers *numbers);
+
 /// Indices as an accessor holds them.
 typedef struct rsv_gltf_indices {
     uint32_t *index; ///< [count]; to be freed

@@ -8,6 +8,7 @@ extern "C" {
 
 #include <algorithm>
 #include <exception>
+#include <initializer_list>
 #include <memory>
 #include <new>
 
@@ -228,20 +229,22 @@ void convert_skins(owned_document &document)
 // ---- nodes --------------------------------------------------------------------------------------
 
 /// T * R * S, or the matrix.
-void local_transform(const json &node, const std::string &name, double m[16])
+void local_transform(const json &source, rsv_gltf_node &node)
 {
     const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-    std::copy(identity, identity + 16, m);
-    if (member(node, "matrix").is_array()) {
-        exact_numbers(node, "matrix", 16, m, "node '" + name + "'");
+    const std::string name = "node '" + std::string(node.name) + "'";
+    std::copy(identity, identity + 16, node.local);
+    node.rotation[3] = node.scale[0] = node.scale[1] = node.scale[2] = 1;
+    node.has_matrix = member(source, "matrix").is_array();
+    if (node.has_matrix) {
+        exact_numbers(source, "matrix", 16, node.local, name);
         return;
     }
-    double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
-    exact_numbers(node, "translation", 3, t, "node '" + name + "'");
-    exact_numbers(node, "rotation", 4, q, "node '" + name + "'");
-    exact_numbers(node, "scale", 3, s, "node '" + name + "'");
-    if (!rsv_matrix_place(t, q, s, m))
-        refuse(RSV_ERROR_FORMAT, "the rotation of node '" + name + "' is zero");
+    exact_numbers(source, "translation", 3, node.translation, name);
+    exact_numbers(source, "rotation", 4, node.rotation, name);
+    exact_numbers(source, "scale", 3, node.scale, name);
+    if (!rsv_matrix_place(node.translation, node.rotation, node.scale, node.local))
+        refuse(RSV_ERROR_FORMAT, "the rotation of " + name + " is zero");
 }
 
 void convert_node_extensions(const json &source, rsv_gltf_node &node)
@@ -303,7 +306,7 @@ void convert_nodes(owned_document &document)
         node.child = keep_references(document, member(source, "children"), &node.child_count);
         node.weight = keep_weights(document, source, &node.weight_count);
         convert_node_extensions(source, node);
-        local_transform(source, node.name, node.local);
+        local_transform(source, node);
         if (has_more_than_matrix(source)) both.add(label(source, "node", document.nodes.size()));
         if (!make_affine(node.local)) skewed.add(label(source, "node", document.nodes.size()));
         document.nodes.push_back(node);
@@ -496,13 +499,50 @@ void convert_variant_names(owned_document &document)
         document.variant_names.push_back(keep(document, shown(text(source, "name"))));
 }
 
-void note_animations(owned_document &document)
+// ---- animations -----------------------------------------------------------------------------------
+
+/// The number of a name in a list; the list's length if it is not there.
+int find_name(const std::string &name, std::initializer_list<const char *> names)
 {
-    const size_t count = list(document.tree, "animations").size();
-    if (count)
-        note(document, RSV_LOG_INFO,
-            std::to_string(count) + (count == 1 ? " animation is" : " animations are") +
-                " not played: the scene is shown as its nodes and weights stand");
+    int k = 0;
+    for (const char *candidate : names) {
+        if (name == candidate) break;
+        k++;
+    }
+    return k;
+}
+
+rsv_gltf_channel convert_channel(const json &source)
+{
+    const json &target = member(source, "target");
+    const int path =
+        find_name(text(target, "path"), { "translation", "rotation", "scale", "weights" });
+    return { reference(source, "sampler"), reference(target, "node"),
+        static_cast<rsv_gltf_path>(path) };
+}
+
+rsv_gltf_sampler convert_sampler(const json &source)
+{
+    const std::string name = text(source, "interpolation");
+    const int kind = name.empty() ? 0 : find_name(name, { "LINEAR", "STEP", "CUBICSPLINE" });
+    return { reference(source, "input"), reference(source, "output"),
+        static_cast<rsv_gltf_interpolation>(kind) };
+}
+
+void convert_animations(owned_document &document)
+{
+    for (const json &source : list(document.tree, "animations")) {
+        document.channels.emplace_back();
+        document.samplers.emplace_back();
+        for (const json &channel : list(source, "channels"))
+            document.channels.back().push_back(convert_channel(channel));
+        for (const json &sampler : list(source, "samplers"))
+            document.samplers.back().push_back(convert_sampler(sampler));
+        document.animations.push_back(
+            { keep_label(document, source, "animation", document.animations.size()),
+                document.channels.back().data(), document.samplers.back().data(),
+                document.channels.back().size(), document.samplers.back().size() });
+    }
 }
 
 // ---- the whole document ---------------------------------------------------------------------------
@@ -524,6 +564,7 @@ void publish(owned_document &document)
     publish_array(document.meshes, document.mesh, document.mesh_count);
     publish_array(document.skins, document.skin, document.skin_count);
     publish_array(document.nodes, document.node, document.node_count);
+    publish_array(document.animations, document.animation, document.animation_count);
     publish_array(document.materials, document.material, document.material_count);
     publish_array(document.textures, document.texture, document.texture_count);
     publish_array(document.images, document.image, document.image_count);
@@ -550,7 +591,7 @@ void convert(owned_document &document)
     convert_cameras(document);
     convert_lights(document);
     convert_variant_names(document);
-    note_animations(document);
+    convert_animations(document);
     find_unread(document);
     publish(document);
     document.generator = keep(document, text(member(document.tree, "asset"), "generator"));

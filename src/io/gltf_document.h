@@ -122,7 +122,9 @@ typedef struct rsv_gltf_node {
     int mesh, camera, light, skin;
     const int *child;
     size_t child_count;
-    double local[16];    ///< column-major, to the parent
+    double local[16];                             ///< column-major, to the parent
+    double translation[3], rotation[4], scale[3]; ///< that `local` is made of, without a matrix
+    bool has_matrix;
     const float *weight; ///< [weight_count] in place of those of the mesh; NULL = those
     size_t weight_count;
     bool hidden; ///< by KHR_node_visibility, with all below
@@ -135,6 +137,40 @@ typedef struct rsv_gltf_light {
     double strength;          ///< the number `intensity`, without the colour
     bool known;               ///< false = of a kind that is not in the format: left out
 } rsv_gltf_light;
+
+/// What a channel of an animation moves.
+typedef enum rsv_gltf_path {
+    RSV_GLTF_TRANSLATION,
+    RSV_GLTF_ROTATION,
+    RSV_GLTF_SCALE,
+    RSV_GLTF_WEIGHTS,
+    RSV_GLTF_OTHER_PATH ///< by an extension, or not in the format
+} rsv_gltf_path;
+
+typedef enum rsv_gltf_interpolation {
+    RSV_GLTF_LINEAR,
+    RSV_GLTF_STEP,
+    RSV_GLTF_CUBIC_SPLINE,
+    RSV_GLTF_OTHER_INTERPOLATION ///< not in the format
+} rsv_gltf_interpolation;
+
+typedef struct rsv_gltf_channel {
+    int sampler; ///< of the animation
+    int node;    ///< -1 = none: the channel is to be ignored
+    rsv_gltf_path path;
+} rsv_gltf_channel;
+
+typedef struct rsv_gltf_sampler {
+    int input, output; ///< accessors
+    rsv_gltf_interpolation interpolation;
+} rsv_gltf_sampler;
+
+typedef struct rsv_gltf_animation {
+    const char *name;
+    const rsv_gltf_channel *channel; ///< [channel_count]
+    const rsv_gltf_sampler *sampler; ///< [sampler_count]
+    size_t channel_count, sampler_count;
+} rsv_gltf_animation;
 
 /// A message about the whole file.
 typedef struct rsv_gltf_note {
@@ -185,10 +221,12 @@ typedef struct rsv_gltf_document {
     const rsv_camera *camera; ///< lens and name; placed by nodes
     const rsv_gltf_light *light;
     const rsv_gltf_skin *skin;
+    const rsv_gltf_animation *animation;
     const int *root;           ///< nodes of the scene to show
     const rsv_gltf_note *note; ///< what of the file is not read
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
-        camera_count, light_count, skin_count, root_count, texture_count, image_count, note_count;
+        camera_count, light_count, skin_count, animation_count, root_count, texture_count,
+        image_count, note_count;
     const char *text; ///< [text_bytes] the JSON as it stands in the file
     size_t text_bytes;
     const char *const *variant; ///< [variant_count] names (KHR_materials_variants)

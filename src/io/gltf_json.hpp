@@ -163,6 +163,9 @@ struct owned_document : rsv_gltf_document {
     std::deque<std::vector<rsv_gltf_influence>> influences;
     std::vector<rsv_gltf_mesh> meshes;
     std::vector<rsv_gltf_skin> skins;
+    std::deque<std::vector<rsv_gltf_channel>> channels;
+    std::deque<std::vector<rsv_gltf_sampler>> samplers;
+    std::vector<rsv_gltf_animation> animations;
     std::vector<rsv_gltf_node> nodes;
     std::vector<rsv_gltf_material> materials;
     std::deque<owned_material> owned_materials;

@@ -22,6 +22,7 @@ typedef struct reader {
     rsv_context *context;
     const rsv_gltf_document *document;
     rsv_scene *scene;
+    bool is_moment; ///< of a file that was read before, and told of
     rsv_gltf_parts parts;
     rsv_gltf_joints *joints; ///< [skin_count]; those without matrices have not been needed yet
     /// [mesh_count + 1] where the scene ids of a mesh's primitives begin in primitive_id
@@ -43,10 +44,12 @@ static bool refers(int reference, size_t count)
 
 static rsv_status add_materials(reader *r)
 {
-    rsv_status status = rsv_gltf_add_materials(r->context, r->document, r->scene);
+    rsv_status status =
+        r->is_moment ? RSV_OK : rsv_gltf_add_materials(r->context, r->document, r->scene);
     r->material_count = (uint32_t)r->document->material_count;
-    r->default_material = RSV_NONE;
-    for (size_t k = 0; k < r->scene->material_count; k++)
+    bool has_default = r->scene->material_count > r->material_count; // from the scene at rest
+    r->default_material = has_default ? r->material_count : RSV_NONE;
+    for (size_t k = 0; k < r->scene->material_count && !r->is_moment; k++)
         r->scene->material[k].emission =
             rgb_scale(r->scene->material[k].emission, (float)r->scale.emission);
     return status;
@@ -85,7 +88,7 @@ static void name_primitive(const rsv_gltf_mesh *mesh, size_t primitive, char lab
 static rsv_status add_geometry(
     reader *r, const rsv_gltf_geometry *g, const char *owner, uint32_t material, uint32_t *id)
 {
-    if (g->index_count % 3)
+    if (g->index_count % 3 && !r->is_moment)
         rsv_log(r->context, RSV_LOG_WARNING,
             "mesh '%s': the last %zu indices make no whole triangle and are ignored", owner,
             g->index_count % 3);
@@ -114,7 +117,7 @@ static rsv_status find_joints(reader *r, int skin, const rsv_gltf_joints **joint
 static void check_coordinates(
     const reader *r, const rsv_gltf_geometry *g, int reference, const char *owner)
 {
-    if (reference < 0) return;
+    if (reference < 0 || r->is_moment) return;
     const rsv_gltf_material *material = &r->document->material[reference];
     for (size_t k = 0; k < material->texture_count; k++) {
         uint32_t set = material->texture[k].ref.uv_set;
@@ -178,7 +181,7 @@ static rsv_status find_mesh(reader *r, const rsv_gltf_part *part, uint32_t *id)
 static void name_skipped(reader *r, int index)
 {
     const rsv_gltf_mesh *mesh = &r->document->mesh[index];
-    if (r->mesh_named[index]) return;
+    if (r->mesh_named[index] || r->is_moment) return;
     r->mesh_named[index] = true;
     for (size_t k = 0; k < mesh->primitive_count; k++) {
         const rsv_gltf_primitive *primitive = &mesh->primitive[k];
@@ -368,6 +371,7 @@ static void name_groups(const reader *r)
 
 static void tell_notes(const reader *r)
 {
+    if (r->is_moment) return;
     for (size_t k = 0; k < r->document->note_count; k++)
         rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
     if (r->scale.said) rsv_log(r->context, RSV_LOG_INFO, "%s", r->scale.said);
@@ -402,18 +406,18 @@ static void release(reader *r)
     rsv_free(r->context, r->primitive_id);
     rsv_free(r->context, r->mesh_named);
     rsv_gltf_parts_destroy(&r->parts);
-    rsv_gltf_close(r->document);
 }
 
 /// Gives the scene the file, where it is not too large.
-static rsv_status keep(const reader *r, const char *path)
+static rsv_status keep(const rsv_gltf_document *document, const char *path, rsv_scene *scene)
 {
     uint8_t *bytes;
     size_t count;
-    rsv_status status = rsv_gltf_archive_pack(r->context, r->document, &bytes, &count);
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_status status = rsv_gltf_archive_pack(context, document, &bytes, &count);
     if (status != RSV_ERROR_UNSUPPORTED)
-        return status == RSV_OK ? rsv_scene_set_document(r->scene, path, bytes, count) : status;
-    rsv_log(r->context, RSV_LOG_WARNING,
+        return status == RSV_OK ? rsv_scene_set_document(scene, path, bytes, count) : status;
+    rsv_log(context, RSV_LOG_WARNING,
         "with what lies beside it, it exceeds 4 GiB and is not kept: bakes will write a file of "
         "their own");
     return RSV_OK;
@@ -435,7 +439,7 @@ static rsv_status choose_variant(reader *r, const char *wanted)
     size_t count = r->document->variant_count;
     list_variants(r->document, names);
     r->variant = -1;
-    if (!wanted && count)
+    if (!wanted && count && !r->is_moment)
         rsv_log(r->context, RSV_LOG_INFO,
             "its materials have variants: %s; --variant NAME shows one of them", names);
     if (!wanted) return RSV_OK;
@@ -446,22 +450,46 @@ static rsv_status choose_variant(reader *r, const char *wanted)
         count ? "; there are " : ", nor any other", names);
 }
 
-rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
+rsv_status rsv_gltf_fill(
+    const rsv_gltf_document *document, const rsv_load_desc *desc, bool is_moment, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
-    reader r = { .context = context, .scene = scene, .parts = { .context = context } };
-    RSV_TRY(rsv_gltf_open(path, &r.document));
+    reader r = { .context = context,
+        .document = document,
+        .scene = scene,
+        .is_moment = is_moment,
+        .parts = { .context = context } };
     RSV_TRY(choose_variant(&r, desc->variant));
-    r.scale = rsv_gltf_light_scale(r.document, desc->light_units);
-    RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
+    r.scale = rsv_gltf_light_scale(document, desc->light_units);
+    RSV_TRY(rsv_gltf_parts_create(context, document, &r.parts));
     RSV_TRY(allocate(&r));
     tell_notes(&r);
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
-    if (desc->keep_document && !desc->variant) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
+    return status;
+}
+
+static void note_animations(rsv_context *context, size_t count)
+{
+    if (count)
+        rsv_log(context, RSV_LOG_INFO,
+            "%zu animation%s not played: the scene is shown as its nodes and weights stand", count,
+            count > 1 ? "s are" : " is");
+}
+
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
+{
+    rsv_status status;
+    const rsv_gltf_document *document = NULL;
+    RSV_TRY(rsv_gltf_open(path, &document));
+    note_animations(rsv_scene_get_context(scene), document->animation_count);
+    RSV_TRY(rsv_gltf_fill(document, desc, false, scene));
+    if (desc->keep_document && !desc->variant) RSV_TRY(keep(document, path, scene));
+cleanup:
+    rsv_gltf_close(document);
     return status;
 }

@@ -49,8 +49,7 @@ static rsv_file_kind kind_of_content(FILE *file)
     return RSV_FILE_UNKNOWN;
 }
 
-/// Pipes and devices are refused: a reader could wait on one for ever.
-static rsv_status find_kind(const char *path, rsv_file_kind *kind)
+rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind)
 {
     struct stat info;
     FILE *file = NULL;
@@ -83,8 +82,7 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     return RSV_OK;
 }
 
-/// Sides as the caller wants them. Bodies that let light through have an inside, and stay as they are.
-static void set_sides(const rsv_load_desc *desc, rsv_scene *scene)
+void rsv_set_sides(const rsv_load_desc *desc, rsv_scene *scene)
 {
     for (size_t k = 0; k < scene->material_count; k++) {
         rsv_material *m = &scene->material[k];
@@ -94,8 +92,7 @@ static void set_sides(const rsv_load_desc *desc, rsv_scene *scene)
     }
 }
 
-/// Puts the file's name in front of the error message.
-static rsv_status name_file(rsv_status status, const char *path)
+rsv_status rsv_name_file(rsv_status status, const char *path)
 {
     char message[768];
     snprintf(message, sizeof message, "%s", rsv_last_error());
@@ -111,7 +108,7 @@ rsv_status rsv_scene_load_with(
     const rsv_load_desc defaults = rsv_default_load_desc();
     if (!desc) desc = &defaults;
     RSV_TRY(check_desc(desc));
-    RSV_TRY(find_kind(path, &kind));
+    RSV_TRY(rsv_find_file_kind(path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
     if (desc->variant && kind != RSV_FILE_GLTF)
@@ -125,13 +122,13 @@ rsv_status rsv_scene_load_with(
         RSV_TRY(rsv_stl_read(path, desc, loaded));
     else
         RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
-    set_sides(desc, loaded);
+    rsv_set_sides(desc, loaded);
     RSV_TRY(rsv_scene_commit(loaded));
     *scene = loaded;
     return RSV_OK;
 cleanup:
     rsv_scene_destroy(loaded);
-    return name_file(status, path);
+    return rsv_name_file(status, path);
 }
 
 rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene)

@@ -10,7 +10,8 @@ typedef enum rsv_target_kind {
     RSV_TARGET_BLACK,
     RSV_TARGET_LAMBERT,
     RSV_TARGET_SPECULAR,
-    RSV_TARGET_SKY
+    RSV_TARGET_SKY,
+    RSV_TARGET_ENTERED ///< of rays alone: they ended in the first surface they met, though another path might not have
 } rsv_target_kind;
 
 /// One side of a triangle as the end of a ray, in eight bytes: all that most ends need.

@@ -83,6 +83,16 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
         add_tinted(s, node, rgb_gray(1));
 }
 
+void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t seen)
+{
+    uint32_t copies = s->whole ? s->copies[ray] : 1;
+    s->kind[ray] = seen & (uint8_t)~RSV_ROW_RAY_ENDS;
+    if (copies == 0) return;
+    s->column[ray] = node;
+    for (uint32_t k = 1; k < copies; k++)
+        add_tinted(s, node, rgb_gray(1));
+}
+
 /// What light that a receiver gathers at that cosine counts for.
 static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
 {
@@ -98,6 +108,12 @@ static rsv_specular_path begin_path(const rsv_row_tracer *tracer, const rsv_row_
     return rsv_specular_begin(tracer->scene, &r->medium, direction, rsv_packet_hit(packet, k));
 }
 
+/// Whether rays that end there may also find light of a source; which sources they look for, any edit may change.
+static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
+{
+    return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
@@ -109,11 +125,14 @@ static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32
     rsv_rgb entered = entering(tracer, r, cos_receiver);
     s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
     s->rays += gather.path.rays;
-    if (gather.end == RSV_SPECULAR_DIFFUSE)
+    if (gather.end == RSV_SPECULAR_DIFFUSE) {
         record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
-    else if (gather.end == RSV_SPECULAR_ESCAPED)
+        if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
+            s->kind[ray] = RSV_TARGET_ENTERED;
+    } else if (gather.end == RSV_SPECULAR_ESCAPED) {
         rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
             gather.path.turns);
+    }
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.

@@ -23,4 +23,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *scratch
     uint32_t first_ray, const rsv_row_receiver *receiver, const float *cos_receiver,
     const rsv_ray_packet *packet);
 
+/// Notes where a ray ends that was not traced again. @param seen its kind then
+void rsv_row_keep_end(rsv_row_scratch *scratch, uint32_t ray, uint32_t node, uint8_t seen);
+
 #endif

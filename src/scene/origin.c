@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its 24
 /// binary digits.
@@ -218,11 +219,24 @@ static void shift(const rsv_scene *scene, const rsv_fixture *fixture, rsv_vec3 *
         (float)(fixture->position[2] - scene->origin[2]));
 }
 
+static void shift_fixtures(rsv_scene *scene)
+{
+    for (size_t k = 0; k < scene->light_count; k++)
+        shift(scene, &scene->light_fixture[k], &scene->light[k].position);
+    for (size_t k = 0; k < scene->camera_count; k++)
+        shift(scene, &scene->camera_fixture[k], &scene->camera[k].position);
+}
+
 rsv_status rsv_scene_take_origin(rsv_scene *scene)
 {
     rsv_far_box all;
     double grain;
     size_t count;
+    if (scene->rest) {
+        memcpy(scene->origin, scene->rest->origin, sizeof scene->origin);
+        if (rsv_scene_is_far(scene)) shift_fixtures(scene);
+        return RSV_OK;
+    }
     if (!scene->in_double) return RSV_OK;
     placed_box *place = rsv_reserve(scene->context, scene->instance_count + 1, sizeof *place);
     rsv_status status = place ? find_places(scene, place, &count, &grain) : RSV_ERROR_MEMORY;
@@ -231,10 +245,7 @@ rsv_status rsv_scene_take_origin(rsv_scene *scene)
     rsv_free(scene->context, place);
     if (!within) return status;
     rsv_far_origin(&all, scene->origin);
-    for (size_t k = 0; k < scene->light_count; k++)
-        shift(scene, &scene->light_fixture[k], &scene->light[k].position);
-    for (size_t k = 0; k < scene->camera_count; k++)
-        shift(scene, &scene->camera_fixture[k], &scene->camera[k].position);
+    shift_fixtures(scene);
     rsv_log(scene->context, RSV_LOG_INFO,
         "the scene lies far from its origin: (%.15g, %.15g, %.15g) m is taken out of its "
         "coordinates while it is worked on, and put back in what is written",

@@ -94,7 +94,7 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_scene_release_twins(scene);
     rsv_scene_drop_document(scene);
     release_lights_and_colors(scene);
-    for (size_t i = 0; i < scene->texture_count; i++)
+    for (size_t i = 0; !scene->rest && i < scene->texture_count; i++)
         rsv_texture_release(context, &scene->texture[i]);
     rsv_free(context, scene->camera);
     rsv_free(context, scene->camera_fixture);

@@ -264,16 +264,6 @@ static void report_sizes(const rsv_builder *b, rsv_light *light)
                       rsv_subsurface_entries(op->subsurface);
 }
 
-static void report_kept_rays(const rsv_builder *b, const rsv_solve_report *r)
-{
-    if (r->kept_row_rays > 0)
-        rsv_log(b->context, RSV_LOG_INFO,
-            "%s: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced again: "
-            "%.1f s saved",
-            b->update.store->kind, 100 * (double)r->kept_row_rays / (double)r->row_rays,
-            100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
-}
-
 /// Counts what the builder did before there was a light.
 static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
 {
@@ -315,7 +305,6 @@ static rsv_status solve(rsv_builder *b, rsv_light *light)
     light->report.critical_solve = rsv_team_path(b->context) - path;
     rsv_light_publish(light);
     light->report.bytes = bytes_of(light);
-    report_kept_rays(b, &light->report);
     rsv_light_warn_if_unbounded(light);
 cleanup:
     return status;
@@ -400,6 +389,17 @@ rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 
+/// Updates in memory tell it in their report.
+static void tell_kept_rays(rsv_context *context, const rsv_solve_report *r)
+{
+    if (r->kept_row_rays > 0)
+        rsv_log(context, RSV_LOG_INFO,
+            "checkpoint: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced "
+            "again: %.1f s saved",
+            100 * (double)r->kept_row_rays / (double)r->row_rays,
+            100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
+}
+
 rsv_status rsv_light_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_light **solution)
 {
@@ -411,6 +411,7 @@ rsv_status rsv_light_create(
     if (settings.checkpoint) RSV_TRY(rsv_store_folder(context, settings.checkpoint, &store));
     if (settings.earlier) RSV_TRY(rsv_store_folder(context, settings.earlier, &earlier));
     RSV_TRY(rsv_light_build(scene, &settings, store, earlier, solution));
+    tell_kept_rays(context, &(*solution)->report);
 cleanup:
     rsv_store_destroy(store);
     rsv_store_destroy(earlier);

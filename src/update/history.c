@@ -93,15 +93,17 @@ static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
         rsv_box b;
         rsv_history_triangle_box(scene->view, t, &b.low, &b.high);
         if (same == UINT32_MAX)
-            rsv_scene_change_add(&p->change, b.low, b.high, object == new_object);
+            rsv_scene_change_add(&p->added, b.low, b.high, object == new_object);
         object = new_object;
     }
+    p->change = p->added;
     for (size_t k = 0; k < count; k++) {
         const rsv_history_triangle *t = &p->layout.triangle[k];
         bool twice = rsv_index_map_find(&then, t->key) != k;
         if (!stays[k] && !twice) rsv_scene_change_add(&p->change, t->low, t->high, gone);
         gone = !stays[k] && !twice;
     }
+    rsv_scene_change_add_margins(&p->added);
     rsv_scene_change_add_margins(&p->change);
     p->change.has_gone = true;
 cleanup:
@@ -176,6 +178,8 @@ rsv_spacing rsv_history_spacing(const rsv_history *p, rsv_spacing now)
 }
 
 const rsv_known_cells *rsv_history_known_cells(const rsv_history *p) { return &p->known_cells; }
+
+const rsv_scene_change *rsv_history_added(const rsv_history *p) { return &p->added; }
 
 const rsv_scene_change *rsv_history_change(const rsv_history *p) { return &p->change; }
 

@@ -71,6 +71,9 @@ const rsv_history_node *rsv_history_find_node(
 /// What elements ask of it.
 const rsv_known_cells *rsv_history_known_cells(const rsv_history *history);
 
+/// Boxes around all that is new.
+const rsv_scene_change *rsv_history_added(const rsv_history *history);
+
 /// Boxes around all that is new, and all that is gone.
 const rsv_scene_change *rsv_history_change(const rsv_history *history);
 

@@ -19,7 +19,7 @@ struct rsv_history {
     rsv_history_layout layout;
     uint32_t
         *face_before[2]; ///< [triangle_count of the scene] by side: the same face; RSV_NONE = none
-    rsv_scene_change change; ///< what is new, and what is gone
+    rsv_scene_change added, change; ///< what is new; that, and what is gone
     rsv_box source[RSV_HISTORY_SOURCES];
     uint32_t source_count;
     rsv_vec3 sun[RSV_MAX_SUNS + RSV_HISTORY_SOURCES]; ///< unit, towards distant sources

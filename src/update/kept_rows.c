@@ -1,6 +1,7 @@
 #include "kept_rows.h"
 
 #include "../core/index_map.h"
+#include "history_internal.h"
 #include "update.h"
 
 #include <string.h>
@@ -111,16 +112,46 @@ static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     return match_ends(then, now, nodes, e->end_now);
 }
 
+/// Rays that ended at a node did so in a cell around it.
+static rsv_status find_end_boxes(rsv_kept_rows *e, const rsv_elements *elements)
+{
+    e->end_box = rsv_alloc(e->context, elements->node_count, sizeof *e->end_box);
+    if (!e->end_box) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < elements->node_count; n++) {
+        rsv_box all = { v3(INFINITY, INFINITY, INFINITY), v3(-INFINITY, -INFINITY, -INFINITY) };
+        for (uint32_t s = elements->support_begin[n]; s < elements->support_begin[n + 1]; s++) {
+            rsv_box cell = rsv_box_of_cell(elements, elements->support[s] / 4);
+            all.low = v3_min(all.low, cell.low);
+            all.high = v3_max(all.high, cell.high);
+        }
+        e->end_box[n][0] = all.low;
+        e->end_box[n][1] = all.high;
+    }
+    return RSV_OK;
+}
+
+static void find_changes(
+    rsv_kept_rows *e, const rsv_row_basis *basis, const rsv_row_catalogue *then)
+{
+    const rsv_history *history = rsv_history_of(basis->scene);
+    if (history) {
+        e->added = *rsv_history_added(history);
+        e->change = *rsv_history_change(history);
+        return;
+    }
+    e->added = e->change = rsv_scene_change_since(
+        basis->scene->view, then->triangle_key, then->header->triangle_count);
+}
+
 static rsv_status open_rows(
     const rsv_row_basis *basis, const best_catalogue *best, rsv_kept_rows *e)
 {
-    const rsv_history *history = rsv_history_of(basis->scene);
     const rsv_row_catalogue *then = best->catalogue;
     e->seconds = then->header->seconds;
-    e->change = history ? *rsv_history_change(history)
-                        : rsv_scene_change_since(
-                              basis->scene->view, then->triangle_key, then->header->triangle_count);
+    find_changes(e, basis, then);
     rsv_status status = match(e, then, best->now, best->nodes);
+    if (status == RSV_OK) status = find_end_boxes(e, basis->elements);
     e->reader = (rsv_row_reader){ .context = e->context,
         .store = best->store,
         .node_count = then->header->node_count,
@@ -161,6 +192,7 @@ void rsv_kept_rows_close(rsv_kept_rows *e)
     rsv_row_reader_close(&e->reader);
     rsv_free(e->context, e->row_before);
     rsv_free(e->context, e->end_now);
+    rsv_free(e->context, e->end_box);
     rsv_free(e->context, e);
 }
 
@@ -171,6 +203,8 @@ bool rsv_kept_rows_find(const rsv_kept_rows *e, uint32_t node, rsv_kept_row *row
     if (!record) return false;
     *row = rsv_row_record_kept(record);
     row->end_now = e->end_now;
+    row->end_box = (const rsv_vec3(*)[2])e->end_box;
+    row->added = &e->added;
     row->change = &e->change;
     return true;
 }

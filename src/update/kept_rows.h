@@ -1,7 +1,7 @@
 /// Rows that were traced before the scene was edited, and what of them still holds.
 ///
-/// A ray that ended on a plain surface ends there still if the elements around its end are what they were, and if it does
-/// not run through anything that is new. So rows of the same rays are taken over ray by ray. Rays that met specular
+/// A ray that ended on a plain surface ends there still if the elements around its end are what they were, and if it meets
+/// nothing new on its way there. So rows of the same rays are taken over ray by ray. Rays that met specular
 /// surfaces are traced again; so are those that met black backs, unless it is known where what is gone was.
 #ifndef RSV_KEPT_ROWS_H
 #define RSV_KEPT_ROWS_H
@@ -13,10 +13,11 @@
 typedef struct rsv_kept_rows {
     rsv_context *context;
     rsv_row_reader reader;
-    uint32_t *row_before; ///< [node_count] node then whose row has the same rays; RSV_NONE = none
-    uint32_t *end_now;    ///< [node_count then] the same node now; RSV_NONE = there is none
-    rsv_scene_change change;
-    double seconds; ///< that tracing all rows took then
+    uint32_t *row_before;   ///< [node_count] node then whose row has the same rays; RSV_NONE = none
+    uint32_t *end_now;      ///< [node_count then] the same node now; RSV_NONE = there is none
+    rsv_vec3 (*end_box)[2]; ///< [node_count] low and high of the cells around it
+    rsv_scene_change added, change; ///< what is new; that, and what is gone where that is known
+    double seconds;                 ///< that tracing all rows took then
 } rsv_kept_rows;
 
 /// Looks among the rows in a store for those most like the rows to be traced. @param now of these

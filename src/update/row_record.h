@@ -28,12 +28,14 @@ typedef struct rsv_row_scratch {
 
 /// What the same rays found before the scene was edited.
 typedef struct rsv_kept_row {
-    uint32_t index;          ///< of the node whose random numbers were used
-    uint16_t valid;          ///< points that were used
-    const uint8_t *kind;     ///< [rays] with RSV_ROW_RAY_ENDS
-    const uint32_t *column;  ///< nodes of then at which rays ended, in their order
-    const uint32_t *end_now; ///< the same nodes now; RSV_NONE = gone
-    const rsv_scene_change *change;
+    uint32_t index;                 ///< of the node whose random numbers were used
+    uint16_t valid;                 ///< points that were used
+    const uint8_t *kind;            ///< [rays] with RSV_ROW_RAY_ENDS
+    const uint32_t *column;         ///< nodes of then at which rays ended, in their order
+    const uint32_t *end_now;        ///< the same nodes now; RSV_NONE = gone
+    const rsv_vec3 (*end_box)[2];   ///< low and high of the cells around the nodes now
+    const rsv_scene_change *added;  ///< boxes around what is new
+    const rsv_scene_change *change; ///< those, and of what is gone where that is known
 } rsv_kept_row;
 
 /// Records on their way to where they are kept.

@@ -114,9 +114,11 @@ static void clip(float origin, float direction, float low, float high, float *fr
     *to = f_min(*to, f_max(a, b));
 }
 
-uint16_t rsv_scene_change_meets(const rsv_scene_change *c, const rsv_ray_packet *p)
+void rsv_scene_change_meets(
+    const rsv_scene_change *c, const rsv_ray_packet *p, float at[RSV_PACKET_WIDTH])
 {
-    uint16_t met = 0;
+    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++)
+        at[k] = INFINITY;
     for (uint32_t box = 0; box < c->count; box++) {
         rsv_vec3 low = c->low[box], high = c->high[box];
         for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++) {
@@ -124,8 +126,7 @@ uint16_t rsv_scene_change_meets(const rsv_scene_change *c, const rsv_ray_packet 
             clip(p->origin_x[k], p->direction_x[k], low.x, high.x, &from, &to);
             clip(p->origin_y[k], p->direction_y[k], low.y, high.y, &from, &to);
             clip(p->origin_z[k], p->direction_z[k], low.z, high.z, &from, &to);
-            met |= (uint16_t)((from <= to) << k);
+            at[k] = f_min(at[k], from <= to ? from : INFINITY);
         }
     }
-    return met;
 }

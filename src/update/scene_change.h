@@ -32,7 +32,8 @@ void rsv_scene_change_add(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high,
 /// To be called once after all boxes were added: against rounding.
 void rsv_scene_change_add_margins(rsv_scene_change *change);
 
-/// Which lanes of a packet run through what is new, however far away: bit by bit.
-uint16_t rsv_scene_change_meets(const rsv_scene_change *change, const rsv_ray_packet *packet);
+/// Metres along each ray of a packet to where it first runs into a box. @param at out: INFINITY = it meets none
+void rsv_scene_change_meets(
+    const rsv_scene_change *change, const rsv_ray_packet *packet, float at[RSV_PACKET_WIDTH]);
 
 #endif

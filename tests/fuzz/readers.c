@@ -5,6 +5,7 @@
 #include "opfile/sha256.h"
 #include "opfile/tensor_file.h"
 #include "points_csv.h"
+#include "resolvent/animation.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
 #include "resolvent/luminaire.h"
@@ -16,12 +17,26 @@
 #include <string.h>
 #include <unistd.h>
 
+/// The middle of all animations at once.
+static void play(rsv_context *context, const char *path)
+{
+    rsv_animation *animation = NULL;
+    rsv_scene *scene = NULL;
+    if (rsv_animation_open(context, path, NULL, &animation) != RSV_OK) return;
+    const rsv_clip *clip = rsv_animation_clip(animation, 0);
+    if (clip &&
+        rsv_animation_scene(animation, RSV_NONE, 0.5 * (clip->start + clip->end), &scene) == RSV_OK)
+        rsv_scene_destroy(scene);
+    rsv_animation_destroy(animation);
+}
+
 static void read_scene(const char *path)
 {
     rsv_context *context = NULL;
     rsv_scene *scene = NULL;
     if (rsv_context_create(NULL, &context) != RSV_OK) abort();
     if (rsv_scene_load(context, path, &scene) == RSV_OK) rsv_scene_destroy(scene);
+    play(context, path);
     rsv_context_destroy(context);
 }
 

@@ -4,6 +4,7 @@
 /// thickness 10: 1e-4), those of half spaces from Chandrasekhar's equation for H, iterated over 64 Gauss points.
 #include "resolvent/render.h"
 #include "unit/light_fixture.h"
+#include "unit/slow_tests.h"
 
 /// What the path tracer may be off, relative, or in standard errors.
 #define TOLERANCE 5e-3
@@ -612,22 +613,24 @@ static void fog_does_not_depend_on_threads(void **state)
     assert_true(hash[0] == hash[1]);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(absorbing_slabs_follow_beer),
         cmocka_unit_test(absorbing_spheres_follow_beer),
         cmocka_unit_test(lamps_beside_a_line_light_it_once),
         cmocka_unit_test(the_sun_lights_an_atmosphere_once),
         cmocka_unit_test(slabs_reflect_and_transmit_as_chandrasekhar_says),
         cmocka_unit_test(half_spaces_shine_by_chandrasekhars_h),
-        cmocka_unit_test(thick_slabs_darken_by_milnes_law),
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
         cmocka_unit_test(lossless_fog_is_invisible_under_an_even_sky),
         cmocka_unit_test(fog_loses_no_light),
         cmocka_unit_test(bodies_and_holes_in_fog_lose_no_light),
-        cmocka_unit_test(endless_fog_has_the_exact_fluence),
         cmocka_unit_test(fog_does_not_depend_on_threads),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(thick_slabs_darken_by_milnes_law),
+        cmocka_unit_test(endless_fog_has_the_exact_fluence),
+    };
+    return RUN_HALF(argc, argv, quick, longest);
 }

@@ -43,7 +43,7 @@ static double mean_of_final(const rsv_light *solution)
     desc.mode = RSV_RENDER_FINAL;
     desc.width = width;
     desc.height = height;
-    desc.samples = 64;
+    desc.samples = 24;
     rsv_image *image;
     assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
     double mean = mean_of(rsv_image_const_pixels(image, 0), pixel_count);
@@ -71,7 +71,7 @@ static void check(world *w)
     rsv_light *solution = solve_for_frames(w, 200, 2000);
     rsv_frame_renderer *renderer = begin(solution, width, height);
     rsv_frame_view view = view_of(w);
-    for (int k = 0; k < 96; k++) {
+    for (int k = 0; k < 40; k++) {
         if (k < 4) view.camera[0].position.x += 0.01f;
         if (k == 4) view = view_of(w);
         assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);

@@ -3,6 +3,7 @@
 
 #include "history_fixture.h"
 #include "resolvent/update.h"
+#include "slow_tests.h"
 
 // ---- stores ---------------------------------------------------------------------------------------
 
@@ -219,6 +220,93 @@ static void edits_back_and_forth_end_where_they_began(void **state)
     world_end(w[1]);
 }
 
+/// A closed room with a box on the floor. @param specular of all: 1 = coated, as glTF's materials are by default
+static world *build_coated(float specular, float x, float z)
+{
+    rsv_material coated = lambert_material(0.6f, 0);
+    coated.specular = specular;
+    coated.roughness = 0.3f;
+    world *w = world_begin(2);
+    uint32_t walls = world_material(w, coated);
+    coated.base_color = rgb(0.7f, 0.1f, 0.1f);
+    uint32_t box = world_material(w, coated), lamp = world_lambert(w, 0, 10);
+    world_room(w, walls, v3(0, 0, 0), v3(4, 2, 4));
+    world_box(w, box, v3(x, 0.02f, z), v3(x + 0.3f, 0.4f, z + 0.3f));
+    world_box(w, lamp, v3(1.8f, 1.9f, 1.8f), v3(2.2f, 1.95f, 2.2f));
+    world_commit(w);
+    return w;
+}
+
+/// The share of its rays that a move leaves.
+static double kept_share(float specular)
+{
+    world *w[2] = { build_coated(specular, 0.5f, 0.5f), build_coated(specular, 0.9f, 0.5f) };
+    rsv_update_report report;
+    memory m = new_memory();
+    rsv_light_destroy(update(w[0], m.store, NULL));
+    rsv_light_destroy(update(w[1], m.store, &report));
+    end_memory(&m);
+    world_end(w[0]);
+    world_end(w[1]);
+    return (double)report.kept_row_rays / (double)report.row_rays;
+}
+
+/// Coats reflect some rays, which are traced again; the others end where they did.
+static void coated_surfaces_keep_most_of_their_rays(void **state)
+{
+    (void)state;
+    double bare = kept_share(0), coated = kept_share(1);
+    if (!(coated > 0.7 * bare && coated < bare))
+        fail_msg("%g of the rays were kept, and %g without coats", coated, bare);
+}
+
+/// The mean irradiance after one random move, updated and solved as a whole, less 1.
+static double apart_after_a_move(uint32_t seed)
+{
+    rsv_random random = rsv_random_from(seed, 0, 0);
+    rsv_solve_desc desc = fewer_elements();
+    desc.element_target = 600;
+    desc.rays_per_element = 256;
+    desc.refinements = desc.direct_levels = 0;
+    desc.seed = seed;
+    memory m = new_memory();
+    world *w = NULL;
+    rsv_light *updated = NULL, *whole = NULL;
+    for (int k = 0; k < 2; k++) {
+        float x = 0.1f + 3.5f * rsv_random_float(&random);
+        rsv_light_destroy(updated);
+        if (w) world_end(w);
+        w = build_coated(1, x, 0.1f + 3.5f * rsv_random_float(&random));
+        updated = update_by(w, &desc, m.store, NULL);
+    }
+    assert_int_equal(rsv_light_create(w->scene, &desc, &whole), RSV_OK);
+    double apart =
+        rsv_light_report(updated)->mean_irradiance / rsv_light_report(whole)->mean_irradiance - 1;
+    rsv_light_destroy(updated);
+    rsv_light_destroy(whole);
+    world_end(w);
+    end_memory(&m);
+    return apart;
+}
+
+/// Updates are off by their sampling error alone: over many moves the mean is nothing but noise, of less than 0.2 %. Each
+/// move has random numbers of its own, as errors of rows that are kept go on with them.
+static void moves_are_as_good_as_solving_anew(void **state)
+{
+    enum { MOVES = 20 };
+    (void)state;
+    double sum = 0, squares = 0;
+    for (uint32_t k = 0; k < MOVES; k++) {
+        double apart = apart_after_a_move(k + 1);
+        sum += apart;
+        squares += apart * apart;
+    }
+    double mean = sum / MOVES, noise = sqrt((squares / MOVES - mean * mean) / (MOVES - 1));
+    if (!(fabs(mean) < 2e-3 && noise < 2e-3 && fabs(mean) < 3 * noise))
+        fail_msg("off by %g on average, with a standard error of %g", mean, noise);
+    print_message("off by %.3g %% on average, standard error %.3g %%\n", 100 * mean, 100 * noise);
+}
+
 static void check_whole(const world *w, const rsv_solve_desc *desc, rsv_update_store *store)
 {
     rsv_update_report report;
@@ -393,17 +481,21 @@ static void processes_of_a_team_have_stores_of_their_own(void **state)
     free(alone.irradiance[0]);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(stores_of_each_kind_keep_blobs),
         cmocka_unit_test(memory_does_what_folders_do),
         cmocka_unit_test(the_report_says_what_was_kept),
         cmocka_unit_test(edits_back_and_forth_end_where_they_began),
+        cmocka_unit_test(coated_surfaces_keep_most_of_their_rays),
         cmocka_unit_test(what_does_not_fit_is_solved_as_a_whole),
         cmocka_unit_test(wrong_settings_are_one_error_and_leave_the_store_alone),
         cmocka_unit_test(memory_that_runs_out_costs_no_more_than_the_update),
         cmocka_unit_test(processes_of_a_team_have_stores_of_their_own),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(moves_are_as_good_as_solving_anew),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -1,0 +1,50 @@
+/// Moments of animated scenes: --time, --clip, --frames and --fps.
+#ifndef CLI_MOMENT_H
+#define CLI_MOMENT_H
+
+#include "session.h"
+
+// clang-format off
+/// The options that fill a cli_moment, for a command's table.
+#define CLI_MOMENT_OPTIONS(moment)                                                                 \
+    { .name = "--time", .kind = CLI_REAL, .value = &(moment)->time, .min = -1e6, .max = 1e6 },     \
+    { .name = "--clip", .kind = CLI_TEXT, .value = &(moment)->clip, .goes_with = "--time" }
+// clang-format on
+
+/// Their lines in a command's help.
+#define CLI_MOMENT_HELP                                                                            \
+    "  --time S           glTF: the scene S seconds into its animation (default: at rest)\n"       \
+    "  --clip NAME        which animation, one of `resolvent info SCENE`; all = all at once\n"     \
+    "                     (default: the first)\n"
+
+/// Frames of an animation: --frames A-B --fps N. Frame 0 is at 0 s.
+typedef struct cli_sequence {
+    const char *frames; ///< as given; NULL = one picture
+    float fps;
+    uint32_t first, last;
+} cli_sequence;
+
+#define CLI_DEFAULT_SEQUENCE ((cli_sequence){ .fps = 24 })
+
+// clang-format off
+#define CLI_SEQUENCE_OPTIONS(sequence)                                                             \
+    { .name = "--frames", .kind = CLI_TEXT, .value = &(sequence)->frames },                        \
+    { .name = "--fps", .kind = CLI_REAL, .value = &(sequence)->fps, .min = 0.001, .max = 1e6,      \
+      .goes_with = "--frames" }
+// clang-format on
+
+#define CLI_SEQUENCE_HELP                                                                          \
+    "  --frames A-B       a picture for each of these frames of the animation, frame 0 at 0 s;\n"  \
+    "                     -o walk-%04d.png numbers them. What stays lit as it was is not solved\n" \
+    "                     again. Without --quality: medium\n"                                      \
+    "  --fps N            frames per second (default 24)\n"
+
+/// Reads `frames`; says what is wrong with it on standard error.
+bool cli_read_sequence(const char *command, cli_sequence *sequence);
+
+float cli_frame_time(const cli_sequence *sequence, uint32_t frame);
+
+/// The scene of a file at the session's moment; the file is read once. Prints what went wrong; false then.
+bool cli_load_moment(cli_session *session, const char *path, rsv_scene **scene);
+
+#endif

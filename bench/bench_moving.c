@@ -1,0 +1,269 @@
+/// An object that moves from frame to frame: the light updated for each frame, beside solving each anew.
+#include "benchmarks.h"
+#include "light_difference.h"
+#include "moved_scene.h"
+
+#include "resolvent/render.h"
+#include "resolvent/update.h"
+
+#include <cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { DEFAULT_FRAMES = 8, POINTS = 600, LAGS = 3 };
+static const uint32_t lag_frames[LAGS] = { 1, 2, 4 };
+
+/// What moves in a scene, from where it is at first: it is turned about an upright axis and shifted along x.
+typedef struct motion {
+    const char *scene, *object;
+    float axis[2];  ///< x, z
+    float from, to; ///< radians
+    float metres;
+} motion;
+
+static const motion known[] = {
+    { "cornell-blocks", "short block", { 0, 0 }, 0, 0, -0.1f },
+    { "two-rooms", "door", { 0, -0.43f }, -0.42f, 0.9f, 0 }, // nearly shut to wide open
+};
+
+/// The scene before anything moves, and what moves in it.
+typedef struct stage {
+    const cli_bench_task *bench;
+    rsv_scene *scene;
+    motion moves;
+    uint32_t object, frame_count;
+} stage;
+
+/// Readings of all frames at points that stay where they are.
+typedef struct readings {
+    double (*whole)[POINTS], (*updated)[POINTS]; ///< [frame_count] W/m2, luminance
+    double *spent, *spent_anew;                  ///< [frame_count] s of a processor
+    double *apart, *kept_rays, *kept_lights;     ///< [frame_count]
+    rsv_probe probe[POINTS];
+} readings;
+
+static double processor_seconds(void) { return (double)clock() / CLOCKS_PER_SEC; }
+
+static bool find_motion(stage *s)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(s->scene);
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (strcmp(known[k].scene, s->bench->scene) == 0) s->moves = known[k];
+    if (!s->moves.scene) {
+        s->object = cli_find_movable_object(s->scene);
+        if (s->object != RSV_NONE) s->moves.metres = cli_object_extent(s->scene, s->object);
+        return s->object != RSV_NONE;
+    }
+    for (s->object = 0; s->object < view->object_count; s->object++)
+        if (strcmp(view->object_name[s->object], s->moves.object) == 0) return true;
+    return false;
+}
+
+static rsv_status scene_of_frame(const stage *s, uint32_t frame, rsv_scene **scene)
+{
+    const motion *m = &s->moves;
+    float share = (float)frame / (float)(s->frame_count - 1);
+    float angle = m->from + share * (m->to - m->from), c = cosf(angle), n = sinf(angle);
+    float x = m->axis[0], z = m->axis[1];
+    const float place[16] = { c, 0, -n, 0, 0, 1, 0, 0, n, 0, c, 0,
+        x - c * x - n * z + share * m->metres, 0, z + n * x - c * z, 1 };
+    return cli_copy_scene_placed(s->scene, s->object, place, scene);
+}
+
+/// On a lattice in the inner part of the scene; each reads the surface below it.
+static void place_probes(const rsv_scene_view *view, rsv_probe *probe)
+{
+    static const double step[3] = { 0.8191725133961645, 0.6710436067037893, 0.5497004779019703 };
+    const float low[3] = { view->bounds_min.x, view->bounds_min.y, view->bounds_min.z };
+    const float high[3] = { view->bounds_max.x, view->bounds_max.y, view->bounds_max.z };
+    for (size_t k = 0; k < POINTS; k++) {
+        float at[3];
+        for (int i = 0; i < 3; i++) {
+            float u = (float)fmod(0.5 + (double)(k + 1) * step[i], 1);
+            at[i] = low[i] + (0.05f + 0.9f * u) * (high[i] - low[i]);
+        }
+        probe[k] = (rsv_probe){ { at[0], at[1], at[2] }, { 0, 1, 0 } };
+    }
+}
+
+static rsv_status read_light(const rsv_light *light, const rsv_probe *probe, double *luminance)
+{
+    rsv_probe_reading reading[POINTS];
+    const rsv_probe_desc desc = { .mode = RSV_PROBE_LOOKUP, .samples = 32 };
+    rsv_status status = rsv_probe_irradiance(light, &desc, probe, POINTS, reading);
+    for (size_t k = 0; k < POINTS && status == RSV_OK; k++) {
+        rsv_rgb e = reading[k].irradiance;
+        luminance[k] = 0.2126 * (double)e.r + 0.7152 * (double)e.g + 0.0722 * (double)e.b;
+    }
+    return status;
+}
+
+static rsv_solve_desc describe(const stage *s)
+{
+    return rsv_default_solve_desc((rsv_quality)s->bench->quality);
+}
+
+static rsv_status run_frame(const stage *s, uint32_t k, rsv_update_store *store, readings *r)
+{
+    rsv_scene *scene = NULL;
+    rsv_light *updated = NULL, *whole = NULL;
+    rsv_update_report kept = { 0 };
+    const rsv_solve_desc desc = describe(s);
+    rsv_status status = scene_of_frame(s, k, &scene);
+    double start = processor_seconds();
+    if (!status) status = rsv_operator_update(scene, &desc, store, &updated, &kept);
+    double between = processor_seconds();
+    if (!status) status = rsv_light_create(scene, &desc, &whole);
+    r->spent[k] = between - start;
+    r->spent_anew[k] = processor_seconds() - between;
+    if (!status) status = read_light(updated, r->probe, r->updated[k]);
+    if (!status) status = read_light(whole, r->probe, r->whole[k]);
+    if (!status) {
+        r->apart[k] = cli_light_difference(whole, updated);
+        r->kept_rays[k] = (double)kept.kept_row_rays / (double)kept.row_rays;
+        r->kept_lights[k] = (double)kept.kept_lit_elements / (double)kept.lit_elements;
+    }
+    rsv_light_destroy(updated);
+    rsv_light_destroy(whole);
+    rsv_scene_destroy(scene);
+    return status;
+}
+
+/// RMS difference of readings, over their RMS.
+static double difference(const double *a, const double *b)
+{
+    double squares = 0, all = 0;
+    for (size_t k = 0; k < POINTS; k++) {
+        squares += (a[k] - b[k]) * (a[k] - b[k]);
+        all += b[k] * b[k];
+    }
+    return sqrt(squares / all);
+}
+
+static double mean_of(const double *value, size_t count)
+{
+    double sum = 0;
+    for (size_t k = 0; k < count; k++)
+        sum += value[k];
+    return sum / (double)count;
+}
+
+/// What light that lags is off by, on average over the frames.
+static void add_lags(const stage *s, const readings *r, cJSON *result)
+{
+    for (int n = 0; n < LAGS; n++) {
+        char name[32];
+        double sum = 0;
+        uint32_t lag = lag_frames[n], count = 0;
+        for (uint32_t k = lag; k < s->frame_count; k++, count++)
+            sum += difference(r->updated[k - lag], r->whole[k]);
+        snprintf(name, sizeof name, "lag_%u", lag);
+        cJSON_AddNumberToObject(result, name, count ? sum / count : NAN);
+    }
+}
+
+static void add_results(const stage *s, readings *r, cJSON *result)
+{
+    size_t moves = s->frame_count - 1;
+    double mean = 0;
+    for (uint32_t k = 1; k < s->frame_count; k++)
+        mean = fmax(mean, fabs(mean_of(r->updated[k], POINTS) / mean_of(r->whole[k], POINTS) - 1));
+    cJSON_AddNumberToObject(result, "frames", s->frame_count);
+    double update = cli_median(r->spent + 1, moves), anew = cli_median(r->spent_anew + 1, moves);
+    cJSON_AddNumberToObject(result, "update_ms", 1e3 * update);
+    cJSON_AddNumberToObject(result, "anew_ms", 1e3 * anew);
+    cJSON_AddNumberToObject(result, "times_cheaper", anew / update);
+    cJSON_AddNumberToObject(result, "kept_rays", mean_of(r->kept_rays + 1, moves));
+    cJSON_AddNumberToObject(result, "kept_lights", mean_of(r->kept_lights + 1, moves));
+    cJSON_AddNumberToObject(result, "difference", mean_of(r->apart + 1, moves));
+    cJSON_AddNumberToObject(result, "worst_mean_difference", mean);
+    add_lags(s, r, result);
+}
+
+static bool allocate(readings *r, size_t frames)
+{
+    r->whole = calloc(frames, sizeof *r->whole);
+    r->updated = calloc(frames, sizeof *r->updated);
+    r->spent = calloc(5 * frames, sizeof *r->spent);
+    if (!r->whole || !r->updated || !r->spent) return false;
+    r->spent_anew = r->spent + frames;
+    r->apart = r->spent + 2 * frames;
+    r->kept_rays = r->spent + 3 * frames;
+    r->kept_lights = r->spent + 4 * frames;
+    return true;
+}
+
+static rsv_status measure(const stage *s, cJSON *result)
+{
+    static const readings none = { 0 };
+    rsv_update_store *store = NULL;
+    readings *r = malloc(sizeof *r);
+    if (!r) return RSV_ERROR_MEMORY;
+    *r = none;
+    rsv_status status = allocate(r, s->frame_count) ? RSV_OK : RSV_ERROR_MEMORY;
+    place_probes(rsv_scene_get_view(s->scene), r->probe);
+    if (!status) status = rsv_update_store_create(s->bench->session->context, &store);
+    for (uint32_t k = 0; k < s->frame_count && !status; k++) {
+        cli_progress_part(&s->bench->session->progress, "frame", k + 1, s->frame_count);
+        status = run_frame(s, k, store, r);
+    }
+    if (!status) add_results(s, r, result);
+    rsv_update_store_destroy(store);
+    free(r->whole);
+    free(r->updated);
+    free(r->spent);
+    free(r);
+    return status;
+}
+
+bool cli_bench_moving(const cli_bench_task *bench, cJSON *result)
+{
+    stage s = { .bench = bench, .frame_count = bench->frames ? bench->frames : DEFAULT_FRAMES };
+    rsv_status status = RSV_ERROR_SCENE;
+    if (s.frame_count < 2) s.frame_count = 2;
+    s.scene = cli_open_bench_scene(bench);
+    if (!s.scene) return false;
+    if (find_motion(&s)) {
+        cJSON_AddStringToObject(
+            result, "object", rsv_scene_get_view(s.scene)->object_name[s.object]);
+        status = measure(&s, result);
+    }
+    rsv_scene_destroy(s.scene);
+    if (status == RSV_ERROR_SCENE || status == RSV_ERROR_UNSUPPORTED)
+        cli_error(
+            "bench moving: '%s' has textures, or no object small enough to be moved", bench->scene);
+    else if (status != RSV_OK)
+        cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+void cli_print_moving(const cJSON *result)
+{
+    printf("  '%s' moves through %.0f frames\n",
+        cJSON_GetStringValue(cJSON_GetObjectItem(result, "object")),
+        cli_json_number(result, "frames"));
+    printf(
+        "  a frame updated      %8.0f ms of a processor; %.1f %% of the rows' rays kept, %.1f %% "
+        "of the elements' direct light\n",
+        cli_json_number(result, "update_ms"), 100 * cli_json_number(result, "kept_rays"),
+        100 * cli_json_number(result, "kept_lights"));
+    printf("  a frame solved anew  %8.0f ms: %.1f times as much\n",
+        cli_json_number(result, "anew_ms"), cli_json_number(result, "times_cheaper"));
+    printf("  differ by              %.2f %% RMS, means at most by %.2f %%\n",
+        100 * cli_json_number(result, "difference"),
+        100 * cli_json_number(result, "worst_mean_difference"));
+    printf("  light of 1, 2, 4 frames before is off by %.1f, %.1f, %.1f %%\n",
+        100 * cli_json_number(result, "lag_1"), 100 * cli_json_number(result, "lag_2"),
+        100 * cli_json_number(result, "lag_4"));
+}
+
+bool cli_write_moving_csv(const char *path, const cJSON *scenes)
+{
+    static const char *const columns[] = { "frames", "update_ms", "anew_ms", "times_cheaper",
+        "kept_rays", "kept_lights", "difference", "worst_mean_difference", "lag_1", "lag_2",
+        "lag_4" };
+    return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
+}

@@ -1,0 +1,143 @@
+/// From an animated glTF file to scenes at its moments.
+#include "../core/core.h"
+#include "../scene/moment.h"
+#include "gltf_pose.h"
+#include "resolvent/animation.h"
+#include "scene_read.h"
+
+#include <math.h>
+#include <string.h>
+
+struct rsv_animation {
+    rsv_context *context;
+    char *path;
+    const rsv_gltf_document *document;
+    rsv_gltf_clip *clip; ///< [count]
+    rsv_clip *shown;     ///< [count] for users
+    size_t count;
+    rsv_load_desc desc; ///< with a name of its own for the variant
+    char *variant;
+    rsv_scene *rest; ///< as nodes and weights stand; NULL = not needed yet
+};
+
+static rsv_status read_clips(rsv_animation *a)
+{
+    size_t count = a->document->animation_count;
+    a->clip = rsv_alloc(a->context, count, sizeof *a->clip);
+    a->shown = rsv_alloc(a->context, count, sizeof *a->shown);
+    if (!a->clip || !a->shown) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++) {
+        rsv_gltf_clip *clip = &a->clip[k];
+        rsv_status status = rsv_gltf_clip_create(a->context, a->document, k, clip);
+        if (status != RSV_OK) return status;
+        a->count = k + 1;
+        a->shown[k] = (rsv_clip){ clip->name, clip->start, clip->end, clip->count };
+    }
+    return RSV_OK;
+}
+
+static rsv_status open_file(rsv_animation *a, const char *path)
+{
+    rsv_file_kind kind;
+    rsv_status status = rsv_find_file_kind(path, &kind);
+    if (status != RSV_OK) return status;
+    if (kind != RSV_FILE_GLTF)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "animations are played of glTF files (.gltf, .glb) alone; convert it");
+    return rsv_gltf_open(path, &a->document);
+}
+
+rsv_status rsv_animation_open(
+    rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_animation *a = rsv_alloc(context, 1, sizeof *a);
+    if (!a) return status;
+    *a = (rsv_animation){ .context = context, .desc = desc ? *desc : rsv_default_load_desc() };
+    a->path = rsv_copy_string(context, path);
+    if (a->desc.variant) a->desc.variant = a->variant = rsv_copy_string(context, desc->variant);
+    RSV_TRY(a->path && (a->variant || !a->desc.variant) ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(open_file(a, path));
+    RSV_TRY(read_clips(a));
+    *animation = a;
+    return RSV_OK;
+cleanup:
+    rsv_animation_destroy(a);
+    return rsv_name_file(status, path);
+}
+
+void rsv_animation_destroy(rsv_animation *a)
+{
+    if (!a) return;
+    for (size_t k = 0; k < a->count; k++)
+        rsv_gltf_clip_destroy(&a->clip[k]);
+    rsv_free(a->context, a->clip);
+    rsv_free(a->context, a->shown);
+    rsv_scene_destroy(a->rest);
+    rsv_gltf_close(a->document);
+    rsv_free(a->context, a->path);
+    rsv_free(a->context, a->variant);
+    rsv_free(a->context, a);
+}
+
+size_t rsv_animation_clip_count(const rsv_animation *a) { return a->count; }
+
+const rsv_clip *rsv_animation_clip(const rsv_animation *a, size_t index)
+{
+    return index < a->count ? &a->shown[index] : NULL;
+}
+
+uint32_t rsv_animation_find_clip(const rsv_animation *a, const char *name)
+{
+    for (size_t k = 0; k < a->count; k++)
+        if (strcmp(a->shown[k].name, name) == 0) return (uint32_t)k;
+    return RSV_NONE;
+}
+
+/// A scene of the document. @param rest NULL = it is the one at rest
+static rsv_status build(
+    rsv_animation *a, const rsv_gltf_document *document, const rsv_scene *rest, rsv_scene **result)
+{
+    rsv_status status;
+    rsv_scene *scene = NULL;
+    RSV_TRY(rsv_scene_create(a->context, &scene));
+    scene->is_part = a->desc.is_part;
+    if (rest) RSV_TRY(rsv_scene_begin_moment(scene, rest));
+    RSV_TRY(rsv_gltf_fill(document, &a->desc, rest != NULL, scene));
+    if (rest)
+        RSV_TRY(rsv_scene_end_moment(scene));
+    else
+        rsv_set_sides(&a->desc, scene);
+    RSV_TRY(rsv_scene_commit(scene));
+    *result = scene;
+    return RSV_OK;
+cleanup:
+    rsv_scene_destroy(scene);
+    return status;
+}
+
+static rsv_status check_moment(const rsv_animation *a, uint32_t clip, double time)
+{
+    if (!a->count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "it holds no animation; load it as it stands");
+    if (clip != RSV_NONE && clip >= a->count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "it has no clip %u, but %zu", clip, a->count);
+    if (!isfinite(time))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "%g is no time that can be shown", time);
+    return RSV_OK;
+}
+
+rsv_status rsv_animation_scene(rsv_animation *a, uint32_t clip, double time, rsv_scene **scene)
+{
+    rsv_status status;
+    rsv_gltf_pose pose = { .context = a->context };
+    bool all = clip == RSV_NONE;
+    RSV_TRY(check_moment(a, clip, time));
+    if (!a->rest) RSV_TRY(build(a, a->document, NULL, &a->rest));
+    RSV_TRY(rsv_gltf_pose_create(
+        a->context, a->document, a->clip + (all ? 0 : clip), all ? a->count : 1, time, &pose));
+    RSV_TRY(build(a, &pose.document, a->rest, scene));
+cleanup:
+    rsv_gltf_pose_destroy(&pose);
+    return status == RSV_OK ? RSV_OK : rsv_name_file(status, a->path);
+}

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Animated glTF files: what there is to play, pictures at a time, sequences.
+source "$(dirname "$0")/support.sh"
+quick=(--size 32x32 --spp 2 --quality draft --max-elements 1500)
+
+succeeds scene cornell-blocks -o room.glb
+python3 "$here/animate.py" room.glb moving.glb short 0 0 0.2 || complain "cannot animate"
+
+succeeds info moving.glb
+says 'slide  0 s to 1 s, 1 channels'
+succeeds info moving.glb --json
+says '"name":[[:space:]]*"fall"'
+
+succeeds render room.glb -o rest.exr "${quick[@]}"
+succeeds render moving.glb -o start.exr "${quick[@]}" --time 0
+warns "2 animations: 'slide' is played"
+cmp -s rest.exr start.exr || complain "the first moment is not the room at rest"
+succeeds render moving.glb -o end.exr "${quick[@]}" --time 7 --clip slide
+cmp -s rest.exr end.exr && complain "nothing moved"
+succeeds info moving.glb --time 1 --clip all
+
+# frames are those moments, whatever was kept of the one before, and the same for any number of threads
+succeeds render moving.glb -o frame-%02d.exr "${quick[@]}" --frames 0-2 --fps 2 --stats frames.json --threads 1
+grep -q '"frames":[[:space:]]*3' frames.json || complain "no number of frames in the statistics"
+grep -q '"kept_rows_of_all_frames":[[:space:]]*0,' frames.json && complain "no row was kept"
+succeeds render moving.glb -o again-%d.exr "${quick[@]}" --frames 0-2 --fps 2 --threads 2
+for k in 0 1 2; do cmp -s frame-0$k.exr again-$k.exr || complain "threads change frame $k"; done
+cmp -s frame-00.exr start.exr || complain "frame 0 is another picture than --time 0"
+succeeds compare frame-02.exr end.exr
+python3 - "$(sed -n 's/^mean_ratio *//p' stdout)" <<'TEXT' || complain "frame 2 is not as bright as --time 1"
+import sys
+sys.exit(abs(float(sys.argv[1].split()[0]) - 1) > 0.02)
+TEXT
+
+refuses 1 "has no animation 'rise'" render moving.glb -o "$out/x.exr" "${quick[@]}" --time 0 --clip rise
+refuses 1 'holds no animation' render room.glb -o "$out/x.exr" "${quick[@]}" --time 0
+refuses 1 'none of those is animated' render cornell-blocks -o "$out/x.exr" "${quick[@]}" --time 0
+refuses 1 'where the number of the frame goes' render moving.glb -o "$out/x.exr" --frames 0-2
+refuses 2 'clip does nothing without' render moving.glb -o "$out/x.exr" --clip slide
+refuses 2 'leave out one of them' render moving.glb -o "$out/x%d.exr" --frames 0-1 --time 3
+refuses 2 "'5-2' is not A-B" render moving.glb -o "$out/x%d.exr" --frames 5-2
+refuses 2 "'-3' is not A-B" render moving.glb -o "$out/x%d.exr" --frames=-3
+refuses 2 'fps does nothing without' render moving.glb -o "$out/x.exr" --fps 3
+refuses 2 'are of one picture' render moving.glb -o "$out/x%d.exr" --frames 0-1 --error 3%
+succeeds solve moving.glb -o "$work/moving.safetensors" --quality draft --max-elements 800 --time 0.5
+refuses 1 'of one moment' render moving.safetensors -o "$out/x.exr" --time 0
+
+finish
