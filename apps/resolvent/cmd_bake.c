@@ -227,10 +227,12 @@ static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
     return true;
 }
 
+#define USUAL_MAP_SIZE 1024
+
 /// Bytes that a lightmap takes in the making.
 static size_t map_bytes(const settings *s)
 {
-    size_t side = s->bake.map_size ? s->bake.map_size : 1024;
+    size_t side = s->bake.map_size ? s->bake.map_size : USUAL_MAP_SIZE;
     if (strcmp(s->target, "lightmap") != 0 || s->bake.dry_run) return 0;
     return side * side * (s->bake.directional ? 104 : 66); // measured: 97 and 61
 }
@@ -239,6 +241,8 @@ static int bake(cli_session *session, settings *s, cli_subject *subject)
 {
     rsv_bake_report report = { 0 };
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    // maps with many charts grow beyond the usual size by themselves, but not where memory is counted
+    if (s->solve.max_bytes && !s->bake.map_size) s->bake.map_size = USUAL_MAP_SIZE;
     desc.reserved_bytes = map_bytes(s);
     if (!can_turn(s, subject->scene) || refuse_checkpoint(s, subject) ||
         !cli_checkpoint_prepare(session, &s->checkpoint, subject->scene, &desc))
