@@ -18,9 +18,12 @@ static const char help[] =
     "scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     EnergyPlus weather (.epw) or Daysim's (.wea)\n"
-    "  -o FILE            the report: a page that stands alone (.html), or .json or .csv; repeat "
-    "both\n"
-    "                     for more files, each of which takes but a second\n"
+    "  -o FILE            the report: a page that stands alone (.html), .json or .csv; repeat it "
+    "for more\n"
+    "                     formats. --weather may be repeated, too: each file then takes as many "
+    "-o, "
+    "in\n"
+    "                     their order, and but a second\n"
     "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"
     "  --height M         of those grids above the floor (default 0.8)\n"
     "  --spacing M        of those grids (default 0.5)\n"
@@ -54,16 +57,21 @@ typedef struct settings {
     bool sky_only;
 } settings;
 
-/// As many reports as weather files, by names that say what they are to be. @return the exit status
+/// Reports of each weather file: one or, in other formats, more. 0 = they do not come out even
+static size_t reports_per_weather(const settings *s)
+{
+    return s->outputs.count % s->weather.count == 0 ? s->outputs.count / s->weather.count : 0;
+}
+
+/// As many reports for each weather file, by names that say what they are to be. @return the exit status
 static int check_lists(const settings *s)
 {
     if (!s->weather.count || !s->outputs.count)
         return cli_usage_error(
             "daylight", "%s is missing", s->weather.count ? "-o FILE" : "--weather FILE");
-    if (s->outputs.count != s->weather.count ||
-        (s->hourly.count && s->hourly.count != s->weather.count))
+    if (reports_per_weather(s) == 0 || (s->hourly.count && s->hourly.count != s->weather.count))
         return cli_usage_error("daylight",
-            "each --weather needs an -o of its own, and an --hourly where there is one");
+            "each --weather needs as many -o as the others, and an --hourly where there is one");
     for (size_t k = 0; k < s->outputs.count; k++) {
         const char *name = s->outputs.item[k];
         if (!cli_ends_in(name, ".html") && !cli_ends_in(name, ".json") &&
@@ -195,17 +203,23 @@ static size_t count_buried(const daylight_job *job)
     return count;
 }
 
+static bool write_report(const char *path, const cli_daylight_result *result)
+{
+    return cli_ends_in(path, ".html")   ? cli_write_daylight_page(path, result)
+           : cli_ends_in(path, ".json") ? cli_write_daylight_json(path, result)
+                                        : cli_write_daylight_csv(path, result);
+}
+
 /// @param k of the weather files
 static bool write_reports(const daylight_job *job, size_t k, size_t buried)
 {
     const settings *s = job->s;
-    const char *output = s->outputs.item[k];
     cli_daylight_result result = { s->scene, s->weather.item[k], &job->points, &job->weather[k],
         &job->desc, &job->run, &job->report, job->run.hourly, buried };
-    bool written = cli_ends_in(output, ".html")   ? cli_write_daylight_page(output, &result)
-                   : cli_ends_in(output, ".json") ? cli_write_daylight_json(output, &result)
-                                                  : cli_write_daylight_csv(output, &result);
-    return written && (!s->hourly.count || cli_write_daylight_hours(s->hourly.item[k], &result));
+    size_t count = reports_per_weather(s);
+    for (size_t r = k * count; r < (k + 1) * count; r++)
+        if (!write_report(s->outputs.item[r], &result)) return false;
+    return !s->hourly.count || cli_write_daylight_hours(s->hourly.item[k], &result);
 }
 
 static void print_space(const daylight_job *job)
@@ -245,7 +259,11 @@ static rsv_status find_sensors(daylight_job *job)
 /// Room for the hours, where a report shows them.
 static bool keep_hours(daylight_job *job, size_t k)
 {
-    if (!job->s->hourly.count && !cli_ends_in(job->s->outputs.item[k], ".html")) return true;
+    size_t count = reports_per_weather(job->s);
+    bool wanted = job->s->hourly.count > 0;
+    for (size_t r = k * count; r < (k + 1) * count; r++)
+        wanted = wanted || cli_ends_in(job->s->outputs.item[r], ".html");
+    if (!wanted) return true;
     job->run.hourly = calloc(job->weather[k].count * job->points.count, sizeof *job->run.hourly);
     if (!job->run.hourly)
         cli_error(

@@ -30,7 +30,8 @@ assert r["sky_only"] and r["missing_hours"] == 8757 and len(r["sensors"]) == 2
 assert all(k in r["space"] for k in ("mean", "sda_300_50", "ase_1000_250", "target", "minimum", "en_17037"))
 assert r["sensors"][0]["mean"]["unit"] == "lux" and r["sensors"][0]["mean"]["standard_error"] >= 0
 END
-succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/a.html" --from 9 --to 17
+succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/a.html" -o "$out/f.csv" --from 9 --to 17
+[[ -s $out/f.csv ]] || complain "a report in a second format"
 grep -q '</html>' "$out/a.html" || complain "the page is whole"
 ! grep -qE 'src=|href=|[^a-z](nan|inf)[^a-z]' "$out/a.html" || complain "the page stands alone and has numbers"
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/s.json" --north 0 --shaded furnace --shade-share 1%
@@ -47,7 +48,7 @@ rm -f "$out"/*
 refuses 2 'weather' daylight cornell-blocks -o "$out/a.csv"
 refuses 2 '\.html, \.json or \.csv' daylight cornell-blocks "${quick[@]}" -o "$out/a.txt"
 refuses 2 'shaded' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --shade-lux 500
-refuses 2 'of its own' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
+refuses 2 'as many -o' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
 refuses 2 'not before' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --from 12 --to 9
 refuses 1 'would overwrite' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --hourly a.epw
 weather 2001,6,31,3,60 0,0,0 >bad.epw
