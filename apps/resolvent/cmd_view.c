@@ -41,8 +41,8 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time but for the times\n"
-    "                     that are shown (`show hud` hides them)\n" CLI_MESH_HELP
-        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+    "                     that are shown (`show hud` hides them)\n" CLI_MESH_HELP CLI_READING_HELP
+        CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
