@@ -554,6 +554,20 @@ static void release(writer *w, char *json)
     rsv_free(w->context, w->object);
 }
 
+/// glTF has no place for these.
+static void say_left_out(const writer *w, const char *path)
+{
+    if (w->view->fog)
+        rsv_log(w->context, RSV_LOG_WARNING,
+            "%s: the scene's fog is not written, glTF has no place for it; give it anew (--fog)",
+            path);
+    if (w->view->environment)
+        rsv_log(w->context, RSV_LOG_WARNING,
+            "%s: the scene's environment is not written, glTF has no place for it; give it anew "
+            "(--env)",
+            path);
+}
+
 rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
 {
     rsv_status status;
@@ -564,10 +578,7 @@ rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
     if (!w.view->triangle_count)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "%s: the scene must be committed before it is written", path);
-    if (w.view->fog)
-        rsv_log(w.context, RSV_LOG_WARNING,
-            "%s: the scene's fog is not written, glTF has no place for it; give it anew (--fog)",
-            path);
+    say_left_out(&w, path);
     RSV_TRY(rsv_atomic_file_open(&file, path));
     RSV_TRY(prepare(&w, path, &json, &e));
     write_chunks(&w, json, &e, &(sink){ .file = &file });

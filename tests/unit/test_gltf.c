@@ -244,8 +244,8 @@ static void chunks_are_aligned_and_add_up(void **state)
     rsv_scene_destroy(scene);
 }
 
-/// glTF knows media inside bodies alone.
-static void fog_is_said_to_be_left_out(void **state)
+/// glTF knows media inside bodies alone, and no light from all around.
+static void fog_and_environments_are_said_to_be_left_out(void **state)
 {
     fixture *f = *state;
     rsv_scene *scene = NULL;
@@ -254,8 +254,10 @@ static void fog_is_said_to_be_left_out(void **state)
     fog.extinction = rgb_gray(1);
     assert_int_equal(rsv_scene_builtin(f->context, "furnace", &scene), RSV_OK);
     assert_int_equal(rsv_scene_set_fog(scene, &fog), RSV_OK);
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
     assert_int_equal(rsv_scene_save(scene, path_in(&place, "scene.glb")), RSV_OK);
     assert_mentions(f->log, "scene.glb: the scene's fog is not written");
+    assert_mentions(f->log, "scene.glb: the scene's environment is not written");
     remove_folder(place.path);
     rsv_scene_destroy(scene);
 }
@@ -759,7 +761,7 @@ int main(int argc, char **argv)
         GLTF_TEST(every_material_light_and_camera_survives_the_file),
         GLTF_TEST(the_writer_leaves_nothing_half_written),
         GLTF_TEST(chunks_are_aligned_and_add_up),
-        GLTF_TEST(fog_is_said_to_be_left_out),
+        GLTF_TEST(fog_and_environments_are_said_to_be_left_out),
         GLTF_TEST(every_index_type_is_read),
         GLTF_TEST(strips_and_fans_become_triangles),
         GLTF_TEST(points_and_lines_are_skipped),
