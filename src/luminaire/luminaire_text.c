@@ -1,8 +1,8 @@
 #include "luminaire_text.h"
 
 #include "../core/number_text.h"
+#include "../core/text_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -108,34 +108,12 @@ void rsv_luminaire_close(rsv_luminaire *l)
     l->horizontal_count++;
 }
 
-static rsv_status read_text(rsv_context *context, const char *path, char **text)
-{
-    size_t length = 0, capacity = 0;
-    rsv_status status = RSV_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file) return rsv_fail(RSV_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    while (status == RSV_OK && !feof(file) && !ferror(file)) {
-        status = rsv_grow(context, (void **)text, &capacity, length + 65536, 1);
-        if (status == RSV_OK) length += fread(*text + length, 1, 65535, file);
-        if (length > MOST_BYTES)
-            status = rsv_fail(RSV_ERROR_FORMAT, "%s: is too large for a luminaire", path);
-    }
-    if (status == RSV_OK && ferror(file))
-        status = rsv_fail(RSV_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
-    fclose(file);
-    if (status != RSV_OK || !*text) return status;
-    (*text)[length] = '\0';
-    return memchr(*text, '\0', length) ? rsv_fail(RSV_ERROR_FORMAT, "%s: is not a text file", path)
-                                       : RSV_OK;
-}
-
 rsv_status rsv_luminaire_read(rsv_context *context, const char *path, rsv_luminaire *luminaire)
 {
     char *content = NULL;
     rsv_status status;
     *luminaire = (rsv_luminaire){ 0 };
-    RSV_TRY(read_text(context, path, &content));
-    RSV_TRY(content ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_read_text_file(context, path, "a luminaire", MOST_BYTES, &content));
     rsv_luminaire_text t = { context, path, content, content, luminaire };
     if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
     bool ies = strstr(content, "TILT=") != NULL;

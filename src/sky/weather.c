@@ -1,9 +1,8 @@
 #include "../core/number_text.h"
+#include "../core/text_file.h"
 #include "weather_text.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #define MOST_BYTES ((size_t)1 << 28)
@@ -146,35 +145,13 @@ static rsv_status finish(rsv_weather_text *t)
     return status;
 }
 
-static rsv_status read_text(rsv_context *context, const char *path, char **text)
-{
-    size_t length = 0, capacity = 0;
-    rsv_status status = RSV_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file) return rsv_fail(RSV_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    while (status == RSV_OK && !feof(file) && !ferror(file)) {
-        status = rsv_grow(context, (void **)text, &capacity, length + 65536, 1);
-        if (status == RSV_OK) length += fread(*text + length, 1, 65535, file);
-        if (length > MOST_BYTES)
-            status = rsv_fail(RSV_ERROR_FORMAT, "%s: is too large for a weather file", path);
-    }
-    if (status == RSV_OK && ferror(file))
-        status = rsv_fail(RSV_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
-    fclose(file);
-    if (status != RSV_OK || !*text) return status;
-    (*text)[length] = '\0';
-    return memchr(*text, '\0', length) ? rsv_fail(RSV_ERROR_FORMAT, "%s: is not a text file", path)
-                                       : RSV_OK;
-}
-
 rsv_status rsv_weather_read(rsv_context *context, const char *path, rsv_weather *weather)
 {
     char *content = NULL;
     *weather = (rsv_weather){ 0 };
     rsv_weather_text t = { context, path, NULL, NULL, 0, weather, 0 };
     rsv_status status;
-    RSV_TRY(read_text(context, path, &content));
-    RSV_TRY(content ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_read_text_file(context, path, "a weather file", MOST_BYTES, &content));
     t.rest = strncmp(content, "\xef\xbb\xbf", 3) == 0 ? content + 3 : content;
     bool any = rsv_weather_next_line(&t), epw = any && strncmp(t.line, "LOCATION,", 9) == 0;
     bool wea = any && strncmp(t.line, "place", 5) == 0;

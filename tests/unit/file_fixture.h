@@ -80,4 +80,27 @@ static inline rsv_scene *load_written(fixture *f, const char *path, const void *
     return scene;
 }
 
+/// A context and a folder, for readers of files that hold no scene.
+typedef struct file_fixture {
+    rsv_context *context;
+    folder folder;
+} file_fixture;
+
+static inline int file_set_up(void **state)
+{
+    static file_fixture f;
+    assert_int_equal(rsv_context_create(NULL, &f.context), RSV_OK);
+    f.folder = new_folder();
+    *state = &f;
+    return 0;
+}
+
+static inline int file_tear_down(void **state)
+{
+    file_fixture *f = *state;
+    remove_folder(f->folder.path);
+    rsv_context_destroy(f->context);
+    return 0;
+}
+
 #endif

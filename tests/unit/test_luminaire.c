@@ -11,29 +11,7 @@
             fail_msg(#value " is %.9g, expected %.9g", got, wanted);                               \
     } while (0)
 
-typedef struct luminaire_fixture {
-    rsv_context *context;
-    folder folder;
-} luminaire_fixture;
-
-static int set_up(void **state)
-{
-    static luminaire_fixture f;
-    assert_int_equal(rsv_context_create(NULL, &f.context), RSV_OK);
-    f.folder = new_folder();
-    *state = &f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    luminaire_fixture *f = *state;
-    remove_folder(f->folder.path);
-    rsv_context_destroy(f->context);
-    return 0;
-}
-
-static rsv_status read_as(luminaire_fixture *f, const char *text, rsv_luminaire *l)
+static rsv_status read_as(file_fixture *f, const char *text, rsv_luminaire *l)
 {
     const char *path = path_in(&f->folder, "lamp.ies");
     write_bytes(path, text, strlen(text));
@@ -130,7 +108,7 @@ static double sphere_integral(const rsv_luminaire *l)
     return 4 * M_PI * sum / directions;
 }
 
-static void check_luminaire(luminaire_fixture *f, char *text, int symmetry)
+static void check_luminaire(file_fixture *f, char *text, int symmetry)
 {
     rsv_luminaire l;
     if (read_as(f, text, &l) != RSV_OK) fail_msg("%s", rsv_last_error());
@@ -164,7 +142,7 @@ static void eulumdat_files_of_all_symmetries_are_read(void **state)
 /// I = 100 cos gamma: pi times 100 lm, and 2 pi times 100 lm of a lamp that shines alike to one side.
 static void flux_is_exact_where_intensities_are_known(void **state)
 {
-    luminaire_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_luminaire l;
     assert_int_equal(
         read_as(f, "TILT=NONE\n1 -1 1 2 1 1 1 1 0 0\n1 1 10\n0 90\n0\n100 100\n", &l), RSV_OK);
@@ -179,7 +157,7 @@ static void flux_is_exact_where_intensities_are_known(void **state)
 /// Types A and B, one half stated: latitudes and turns change places.
 static void floodlights_and_headlights_are_told_apart(void **state)
 {
-    luminaire_fixture *f = *state;
+    file_fixture *f = *state;
     for (int type = 2; type <= 3; type++) {
         char text[512];
         rsv_luminaire l;
@@ -203,7 +181,7 @@ static void floodlights_and_headlights_are_told_apart(void **state)
 
 static void bad_files_are_refused(void **state)
 {
-    luminaire_fixture *f = *state;
+    file_fixture *f = *state;
     static const char *const wrong[] = { "", "hello\n", "TILT=NONE\n",
         "TILT=lamp.tlt\n1 1 1 1 1 1 1 1 1 1 1 1 1 0 0 5\n", "TILT=INCLUDE\n1 1e9\n",
         "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n0 90\n0\n100\n",
@@ -226,14 +204,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
-            ies_files_of_all_versions_and_symmetries_are_read, set_up, tear_down),
+            ies_files_of_all_versions_and_symmetries_are_read, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
-            eulumdat_files_of_all_symmetries_are_read, set_up, tear_down),
+            eulumdat_files_of_all_symmetries_are_read, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
-            flux_is_exact_where_intensities_are_known, set_up, tear_down),
+            flux_is_exact_where_intensities_are_known, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
-            floodlights_and_headlights_are_told_apart, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(bad_files_are_refused, set_up, tear_down),
+            floodlights_and_headlights_are_told_apart, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(bad_files_are_refused, file_set_up, file_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

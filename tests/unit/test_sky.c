@@ -191,29 +191,7 @@ static void patch_luminances_give_the_wanted_illuminance(void **state)
 
 // ---- weather files ------------------------------------------------------------------------------
 
-typedef struct weather_fixture {
-    rsv_context *context;
-    folder folder;
-} weather_fixture;
-
-static int set_up(void **state)
-{
-    static weather_fixture f;
-    assert_int_equal(rsv_context_create(NULL, &f.context), RSV_OK);
-    f.folder = new_folder();
-    *state = &f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    weather_fixture *f = *state;
-    remove_folder(f->folder.path);
-    rsv_context_destroy(f->context);
-    return 0;
-}
-
-static rsv_status read_as(weather_fixture *f, const char *text, rsv_weather *weather)
+static rsv_status read_as(file_fixture *f, const char *text, rsv_weather *weather)
 {
     const char *path = path_in(&f->folder, "weather.epw");
     write_bytes(path, text, strlen(text));
@@ -228,7 +206,7 @@ static rsv_status read_as(weather_fixture *f, const char *text, rsv_weather *wea
 
 static void epw_records_are_read(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_weather w;
     assert_int_equal(
         read_as(f,
@@ -250,7 +228,7 @@ static void epw_records_are_read(void **state)
 
 static void half_hours_and_leap_days_are_read(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_weather w;
     assert_int_equal(
         read_as(f,
@@ -270,7 +248,7 @@ static void half_hours_and_leap_days_are_read(void **state)
 
 static void gaps_are_filled(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_weather w;
     assert_int_equal(
         read_as(f,
@@ -290,7 +268,7 @@ static void gaps_are_filled(void **state)
 
 static void wea_files_are_read(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_weather w;
     assert_int_equal(
         read_as(f,
@@ -318,7 +296,7 @@ static void wea_files_are_read(void **state)
 
 static void polar_night_has_no_light(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     rsv_weather w;
     assert_int_equal(
         read_as(f, HEADER("78.2,15.6,1,20", "1") RECORD("2001,12,21,12,60", "0,0,0"), &w), RSV_OK);
@@ -331,7 +309,7 @@ static void polar_night_has_no_light(void **state)
 
 static void bad_weather_files_are_refused(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     static const char *const wrong[] = { "", "hello\n", "LOCATION,a,b\n", HEADER("95,0,0,0", "1"),
         HEADER("5,0,0,0", "1"), HEADER("5,0,0,0", "0") RECORD("2001,6,1,12,60", "7,6,1"),
         HEADER("5,0,0,0", "1") RECORD("2001,13,1,12,60", "7,6,1"),
@@ -415,7 +393,7 @@ static void compare_hour(const rsv_weather *w, int row, size_t column, double va
 
 static void patches_are_those_of_the_reference(void **state)
 {
-    weather_fixture *f = *state;
+    file_fixture *f = *state;
     const char *assets = getenv("RSV_ASSETS");
     char path[512];
     static double value[146][hour_limit];
@@ -452,13 +430,15 @@ int main(void)
         cmocka_unit_test(patches_cover_the_sky),
         cmocka_unit_test(patches_take_their_share_of_directions),
         cmocka_unit_test(patch_luminances_give_the_wanted_illuminance),
-        cmocka_unit_test_setup_teardown(epw_records_are_read, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(half_hours_and_leap_days_are_read, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(gaps_are_filled, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(wea_files_are_read, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(polar_night_has_no_light, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(bad_weather_files_are_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(patches_are_those_of_the_reference, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(epw_records_are_read, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(
+            half_hours_and_leap_days_are_read, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(gaps_are_filled, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(wea_files_are_read, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(polar_night_has_no_light, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(bad_weather_files_are_refused, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(
+            patches_are_those_of_the_reference, file_set_up, file_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
