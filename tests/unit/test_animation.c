@@ -241,15 +241,22 @@ static void lights_and_cameras_move(void **state)
     remove_folder(place.path);
 }
 
-/// Units of light and sides are understood as rsv_scene_load_with does; what is wanted once is kept.
-static void moments_are_read_as_the_file_is(void **state)
+/// Keys that bring a square 2 m along x within a second.
+static sketch going_sketch(void)
 {
     const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 2, 0, 0 };
-    fixture *f = *state;
-    folder place = new_folder();
     sketch s = square_sketch();
     add_vectors(&s, time, 2, 1);
     add_vectors(&s, go, 2, 3);
+    return s;
+}
+
+/// Units of light and sides are understood as rsv_scene_load_with does; what is wanted once is kept.
+static void moments_are_read_as_the_file_is(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    sketch s = going_sketch();
     const char *path = write_sketch(&place, &s,
         ONE_CHANNEL("translation", "") LAMP
         "\"materials\":[{\"emissiveFactor\":[1,0.5,0]}],\"meshes\":[{\"primitives\":[{" SQUARE
@@ -458,12 +465,9 @@ static void odd_keys_are_played(void **state)
 
 static void memory_may_run_out(void **state)
 {
-    const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 2, 0, 0 };
     fixture *f = *state;
     folder place = new_folder();
-    sketch s = square_sketch();
-    add_vectors(&s, time, 2, 1);
-    add_vectors(&s, go, 2, 3);
+    sketch s = going_sketch();
     const char *path = write_sketch(&place, &s, ONE_CHANNEL("translation", "") ONE_NODE);
     rsv_status status = RSV_ERROR_MEMORY;
     size_t alive = f->allocations_alive, k;

@@ -282,6 +282,18 @@ static void add_lamp(world *w, uint32_t lamp, float from, float to, float depth)
         v3(from, 2.8f, 2 + depth));
 }
 
+/// The power of all lamps, and the mean of a path-traced picture. Takes the world over.
+static void read_light(world *w, const rsv_camera *camera, double *power, double *mean)
+{
+    assert_int_equal(rsv_scene_add_camera(w->scene, camera), RSV_OK);
+    world_commit(w);
+    *power = power_of(w);
+    rsv_image *image = trace_paths(w);
+    *mean = mean_of(image);
+    rsv_image_destroy(image);
+    world_end(w);
+}
+
 /// Lamps that overlap in part shine once where they do.
 static void overlapping_lamps_shine_once(void **state)
 {
@@ -298,13 +310,7 @@ static void overlapping_lamps_shine_once(void **state)
         if (kind == 3) add_lamp(w, lamp, 1.5f, 2.5f, 1), add_lamp(w, lamp, 1.8f, 2.2f, 0.4f);
         rsv_camera camera =
             rsv_camera_look_at("inside", v3(2.1f, 1.6f, 4.7f), v3(1.9f, 1, 2), 1.0f, 1.4f);
-        assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
-        world_commit(w);
-        power[kind] = power_of(w);
-        rsv_image *image = trace_paths(w);
-        mean[kind] = mean_of(image);
-        rsv_image_destroy(image);
-        world_end(w);
+        read_light(w, &camera, &power[kind], &mean[kind]);
     }
     for (int kind = 1; kind < 4; kind += 2) {
         assert_close(power[kind] / power[kind - 1], 1, 0.02);
@@ -333,13 +339,7 @@ static void backs_of_lamps_shine_where_nothing_covers_them(void **state)
         }
         rsv_camera camera =
             rsv_camera_look_at("above", v3(0.3f, 2.9f, 0.3f), v3(2.5f, 2.95f, 4), 1.0f, 1.4f);
-        assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
-        world_commit(w);
-        power[kind] = power_of(w);
-        rsv_image *image = trace_paths(w);
-        mean[kind] = mean_of(image);
-        rsv_image_destroy(image);
-        world_end(w);
+        read_light(w, &camera, &power[kind], &mean[kind]);
     }
     assert_close(power[1] / power[0], 1, 0.02);
     assert_close(mean[1] / mean[0], 1, UNLESS_SANITIZED(0.02, 0.1));
