@@ -169,7 +169,4 @@ void cli_note(cli_session *session, const char *message);
 /// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);
 
-/// Prints "note: ..." on standard error, unless it was said before.
-void cli_note(cli_session *session, const char *message);
-
 #endif
