@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static const char help_head[] =
     "usage: resolvent view SCENE [options]\n"
@@ -77,6 +78,7 @@ typedef struct viewer {
     cli_view_script script;
     cli_view_hud hud;
     cli_canvas canvas;
+    bool made_folder;            ///< for the frames, which was not there before
     bool exposes;                ///< the first light is still to say how bright it is shown
     cli_window *window;          ///< NULL = recording
     uint32_t frame, frame_count; ///< so far; at most
@@ -165,10 +167,11 @@ static rsv_status expose(viewer *v)
 }
 
 /// The folder for frames, made if it is not there.
-static bool make_folder(const char *path)
+static bool make_folder(viewer *v, const char *path)
 {
     struct stat info;
-    if (mkdir(path, 0777) == 0 || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))) return true;
+    v->made_folder = mkdir(path, 0777) == 0;
+    if (v->made_folder || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))) return true;
     cli_error("--record %s: the folder cannot be made: %s", path, strerror(errno));
     return false;
 }
@@ -252,7 +255,7 @@ static bool open_viewer(viewer *v)
     if (s->script && !cli_read_view_script(s->script, &v->script)) return false;
     v->frame_count = count_frames(v);
     snprintf(title, sizeof title, "%.200s - resolvent", s->scene);
-    if (s->record && !make_folder(s->record)) return false;
+    if (s->record && !make_folder(v, s->record)) return false;
     if (!s->record) v->window = cli_window_open(title, s->size.width, s->size.height);
     if (!s->record && !v->window) return false;
     const char *slash = strrchr(s->scene, '/');
@@ -271,6 +274,7 @@ static void close_viewer(viewer *v)
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
     free(v->time_ms);
+    if (v->made_folder) rmdir(v->settings->record); // where no frame came to be: else it is not empty
 }
 
 // ---- frames ---------------------------------------------------------------------------------------------

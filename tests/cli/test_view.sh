@@ -68,6 +68,7 @@ for pair in '0 1' '1 2'; do
 done
 cmp -s roll/frame-0002.png roll-again/frame-0002.png || complain "the object looks different the second time"
 refuses 1 'nothing.obj' "${view[@]}" --object nothing.obj --record "$work/frames"
+[[ ! -e $work/frames ]] # no folder is left where there are no frames
 
 # scripts with errors name the line, and nothing is solved for those that cannot be read
 wrong() {
