@@ -10,8 +10,8 @@
 #include "stats.h"
 #include "subject.h"
 
+#include "resolvent/frame.h"
 #include "resolvent/relight.h"
-#include "resolvent/render.h"
 
 #include <cJSON.h>
 #include <limits.h>
@@ -310,8 +310,10 @@ static rsv_status render(
     desc.height = size.height;
     desc.samples = s->samples;
     desc.seed = s->seed;
-    return s->body ? cli_render_object(solution, s->body, s->place, &desc, image)
-                   : rsv_render(solution, &desc, image);
+    if (s->body) return cli_render_object(solution, s->body, s->place, &desc, image);
+    return s->mode == RSV_RENDER_OPERATOR
+               ? rsv_render_operator(solution, &desc, RSV_GLOSS_PATHS, image)
+               : rsv_render(solution, &desc, image);
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
