@@ -108,7 +108,7 @@ static bool split(rsv_light_mix *m, size_t p)
 /// Parts with random numbers of their own add up to less noise; but what unlit surfaces show in all of them shall cancel.
 static uint32_t seed_of(const rsv_light_mix *m, uint32_t part)
 {
-    return m->is_unlit ? m->picture.seed : rsv_hash2(m->picture.seed, part);
+    return m->is_unlit || part == 0 ? m->picture.seed : rsv_hash2(m->picture.seed, part);
 }
 
 static rsv_status render(rsv_light_mix *m, uint32_t part, rsv_image **image)
