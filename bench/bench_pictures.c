@@ -32,6 +32,8 @@ typedef struct curve {
 /// solution of the next quality.
 #define REFERENCE_SHARE 0.4
 #define NEXT_PICTURE 4
+/// A picture with four times the camera rays that errs by more than this part of the last: solutions err most of it.
+#define STAGNANT 0.6
 #define NEXT_QUALITY 3
 
 typedef struct measurement {
@@ -71,6 +73,12 @@ static void describe_point(
     cJSON_AddItemToArray(m->points, point);
 }
 
+/// Whether more camera rays would hardly help.
+static bool is_stagnant(const curve *c)
+{
+    return c->count > 1 && c->error[c->count - 1] > STAGNANT * c->error[c->count - 2];
+}
+
 /// Pictures with more and more camera rays.
 static rsv_status climb(measurement *m, const rsv_light *light, int quality, view_kind view)
 {
@@ -78,7 +86,7 @@ static rsv_status climb(measurement *m, const rsv_light *light, int quality, vie
     rsv_status status = RSV_OK;
     double error = INFINITY;
     for (size_t k = 0; k < ladder_count && status == RSV_OK; k++) {
-        if (error < wanted[wanted_count - 1]) break;
+        if (error < wanted[wanted_count - 1] || is_stagnant(c)) break;
         if (k > 0 && !has_time(m, NEXT_PICTURE * c->cost[k - 1].seconds)) break;
         cli_cost started = cli_cost_now();
         rsv_image *image = NULL;
@@ -167,7 +175,7 @@ static rsv_status measure_quality(measurement *m, int quality)
     m->solve[quality] = cli_cost_since(started);
     if (status == RSV_OK) status = climb(m, light, quality, FIRST);
     if (status == RSV_OK) status = climb(m, light, quality, SECOND);
-    if (status == RSV_OK) status = relight(m, light, quality);
+    if (status == RSV_OK) status = relight(m, light, quality); // changes the light
     rsv_light_destroy(light);
     return status;
 }
