@@ -116,6 +116,9 @@ static const char help[] =
     "                    fps and rooms: of a scene that is not solved yet (default draft and "
     "medium);\n"
     "                    pictures: the best solution to compare (default medium)\n"
+    "  --max-time S      pictures: seconds for each scene: less precise references, fewer pictures "
+    "and\n"
+    "                    qualities where that is too little (default 300)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -391,6 +394,8 @@ static int check_settings(const benchmark *b, const settings *s)
     if ((s->bench.assets || s->bench.cache || s->quick) && !judges)
         return cli_usage_error(
             "bench", "--assets, --cache and --quick belong to bench rooms and pictures");
+    if (s->bench.max_seconds > 0 && b->run != cli_bench_pictures)
+        return cli_usage_error("bench", "--max-time belongs to bench pictures");
     if (s->bench.strips && !is_rooms)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
@@ -417,6 +422,9 @@ static int check_settings(const benchmark *b, const settings *s)
     return CLI_SUCCESS;
 }
 
+/// Of bench pictures, for each scene.
+#define SCENE_SECONDS 300
+
 /// Sizes and rays where frames are flown and compared.
 static void choose_frames(const benchmark *b, settings *s)
 {
@@ -431,6 +439,7 @@ static void choose_frames(const benchmark *b, settings *s)
     if (bench->judged_size.height < 8) bench->judged_size.height = 8;
     const char *assets = getenv("RSV_ASSETS");
     if (!bench->assets && assets && *assets) bench->assets = assets;
+    if (bench->max_seconds == 0) bench->max_seconds = SCENE_SECONDS;
     if (bench->reference_samples) return;
     bool judges = takes_pictures || b->run == cli_bench_rooms;
     bench->reference_samples = !judges ? 1024 : s->quick ? 16 : 64;
@@ -491,6 +500,11 @@ int cli_bench(int argc, char **argv)
             .value = &bench->quality,
             .choices = cli_quality_names },
         { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
+        { .name = "--max-time",
+            .kind = CLI_REAL,
+            .value = &bench->max_seconds,
+            .min = 1,
+            .max = 1e6 },
         { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
         { .name = "--assets", .kind = CLI_TEXT, .value = &bench->assets },
         { .name = "--cache", .kind = CLI_TEXT, .value = &bench->cache },

@@ -3,7 +3,7 @@
 #include "room_files.h"
 #include "stats.h"
 
-#include "resolvent/relight.h"
+#include "resolvent/lightmix.h"
 
 #include <cJSON.h>
 #include <math.h>
@@ -28,14 +28,32 @@ typedef struct curve {
     size_t count;
 } curve;
 
+/// Share of a scene's time that references may take, and what a picture with the next more camera rays takes at least, or a
+/// solution of the next quality.
+#define REFERENCE_SHARE 0.4
+#define NEXT_PICTURE 4
+/// A picture with four times the camera rays that errs by more than this part of the last: solutions err most of it.
+#define STAGNANT 0.6
+#define NEXT_QUALITY 3
+
 typedef struct measurement {
     const cli_bench_task *bench;
     rsv_scene *scene;
     cli_judged_view view[2];
-    cli_cost load, solve[quality_count], relight[quality_count];
-    curve curve[quality_count][2];
+    cli_cost load, solve[quality_count], prepare[quality_count];
+    curve curve[quality_count][VIEWS]; ///< of relit views: one picture at most
+    double deadline;                   ///< by the clock
+    bool cut_short;                    ///< for want of time
     cJSON *points;
 } measurement;
+
+/// Whether there is time for what takes so long.
+static bool has_time(measurement *m, double seconds)
+{
+    bool has = cli_seconds() + seconds < m->deadline;
+    m->cut_short = m->cut_short || !has;
+    return has;
+}
 
 // ---- what is measured ---------------------------------------------------------------------------
 
@@ -50,7 +68,15 @@ static void describe_point(
     cJSON_AddNumberToObject(point, "seconds", c->cost[last].seconds);
     cJSON_AddNumberToObject(point, "cpu_seconds", c->cost[last].cpu_seconds);
     cJSON_AddNumberToObject(point, "relative_mse", c->error[last]);
+    if (view == RELIT)
+        cJSON_AddNumberToObject(point, "prepare_cpu_seconds", m->prepare[quality].cpu_seconds);
     cJSON_AddItemToArray(m->points, point);
+}
+
+/// Whether more camera rays would hardly help.
+static bool is_stagnant(const curve *c)
+{
+    return c->count > 1 && c->error[c->count - 1] > STAGNANT * c->error[c->count - 2];
 }
 
 /// Pictures with more and more camera rays.
@@ -60,7 +86,8 @@ static rsv_status climb(measurement *m, const rsv_light *light, int quality, vie
     rsv_status status = RSV_OK;
     double error = INFINITY;
     for (size_t k = 0; k < ladder_count && status == RSV_OK; k++) {
-        if (error < wanted[wanted_count - 1]) break;
+        if (error < wanted[wanted_count - 1] || is_stagnant(c)) break;
+        if (k > 0 && !has_time(m, NEXT_PICTURE * c->cost[k - 1].seconds)) break;
         cli_cost started = cli_cost_now();
         rsv_image *image = NULL;
         status = cli_take_view(&m->view[view], light, ladder[k], &image);
@@ -76,22 +103,63 @@ static rsv_status climb(measurement *m, const rsv_light *light, int quality, vie
     return status;
 }
 
-/// A change of strength after the preparations that a sequence of changes makes once.
+/// Camera rays of the pictures that relit views are mixed from: those that reach the middle of the wanted errors, or the
+/// most that there are. 0 = no picture was taken.
+static uint32_t mixed_samples(const measurement *m, int quality)
+{
+    const curve *c = &m->curve[quality][FIRST];
+    size_t k = 0;
+    while (k + 1 < c->count && c->error[k] > wanted[1])
+        k++;
+    return c->count ? ladder[k] : 0;
+}
+
+static rsv_status take_mixed(
+    rsv_relighter *relighter, rsv_light_mix *mix, float factor, rsv_image **image)
+{
+    const rsv_light_scale scale = { rsv_relighter_source(relighter, 0).name,
+        { factor, factor, factor } };
+    const rsv_relight_desc desc = { .light = &scale, .light_count = 1 };
+    rsv_status status = rsv_relighter_change(relighter, &desc);
+    return status == RSV_OK ? rsv_light_mix_take(mix, image) : status;
+}
+
+/// A picture under a light that is changed, and how far the same sum is off where nothing is.
+static rsv_status measure_mix(
+    measurement *m, rsv_relighter *relighter, rsv_light_mix *mix, int quality)
+{
+    rsv_image *image[3] = { NULL };
+    curve *c = &m->curve[quality][RELIT];
+    cli_cost started = cli_cost_now();
+    rsv_status status = rsv_relighter_prepare(relighter);
+    if (status == RSV_OK) status = take_mixed(relighter, mix, 0.5f, &image[0]);
+    m->prepare[quality] = cli_cost_since(started);
+    started = cli_cost_now();
+    if (status == RSV_OK) status = take_mixed(relighter, mix, 0.25f, &image[1]);
+    c->cost[0] = cli_cost_since(started);
+    if (status == RSV_OK) status = take_mixed(relighter, mix, 1, &image[2]);
+    if (status == RSV_OK) status = cli_judge_view(&m->view[FIRST], image[2], &c->error[0]);
+    c->count = status == RSV_OK;
+    for (int k = 0; k < 3; k++)
+        rsv_image_destroy(image[k]);
+    return status;
+}
+
 static rsv_status relight(measurement *m, rsv_light *light, int quality)
 {
     rsv_relighter *relighter = NULL;
+    rsv_light_mix *mix = NULL;
+    uint32_t samples = mixed_samples(m, quality);
+    rsv_render_desc desc = cli_describe_view(&m->view[FIRST], samples);
+    const curve *first = &m->curve[quality][FIRST];
+    if (!samples || !has_time(m, 2 * first->cost[first->count - 1].seconds)) return RSV_OK;
     rsv_status status = rsv_relighter_create(light, &relighter);
-    m->relight[quality] = (cli_cost){ NAN, NAN };
-    if (status == RSV_OK && rsv_relighter_source_count(relighter) > 0) {
-        const rsv_light_scale scale = { rsv_relighter_source(relighter, 0).name,
-            { 0.25f, 0.25f, 0.25f } };
-        const rsv_relight_desc desc = { .light = &scale, .light_count = 1 };
-        status = rsv_relighter_prepare(relighter);
-        cli_cost started = cli_cost_now();
-        if (status == RSV_OK) status = rsv_relighter_change(relighter, &desc);
-        if (status == RSV_OK) status = rsv_relighter_settle(relighter);
-        m->relight[quality] = cli_cost_since(started);
-    }
+    bool lit = status == RSV_OK && rsv_relighter_source_count(relighter) > 0;
+    if (lit) status = rsv_light_mix_create(relighter, &desc, &mix);
+    if (lit && status == RSV_OK) status = measure_mix(m, relighter, mix, quality);
+    if (lit && status == RSV_OK)
+        describe_point(m, quality, RELIT, samples, &m->curve[quality][RELIT]);
+    rsv_light_mix_destroy(mix);
     rsv_relighter_destroy(relighter);
     return status;
 }
@@ -101,12 +169,13 @@ static rsv_status measure_quality(measurement *m, int quality)
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)quality);
     rsv_light *light = NULL;
     desc.direct_level = false;
+    if (quality > 0 && !has_time(m, NEXT_QUALITY * m->solve[quality - 1].seconds)) return RSV_OK;
     cli_cost started = cli_cost_now();
     rsv_status status = rsv_light_create(m->scene, &desc, &light);
     m->solve[quality] = cli_cost_since(started);
     if (status == RSV_OK) status = climb(m, light, quality, FIRST);
     if (status == RSV_OK) status = climb(m, light, quality, SECOND);
-    if (status == RSV_OK) status = relight(m, light, quality);
+    if (status == RSV_OK) status = relight(m, light, quality); // changes the light
     rsv_light_destroy(light);
     return status;
 }
@@ -137,10 +206,8 @@ static cli_cost add(cli_cost a, cli_cost b)
 /// All that a picture takes whose error is known.
 static cli_cost cost_of(const measurement *m, int quality, view_kind view, double error)
 {
-    const curve *c = &m->curve[quality][view == SECOND ? SECOND : FIRST];
-    cli_cost picture = cost_of_error(c, error);
-    if (view == FIRST) picture = add(picture, add(m->load, m->solve[quality]));
-    return view == RELIT ? add(picture, m->relight[quality]) : picture;
+    cli_cost picture = cost_of_error(&m->curve[quality][view], error);
+    return view == FIRST ? add(picture, add(m->load, m->solve[quality])) : picture;
 }
 
 /// The quality by which an error is reached soonest. An error that none reaches has no numbers.
@@ -167,12 +234,14 @@ static cJSON *describe_time(const measurement *m, view_kind view, double error)
 
 static rsv_status measure(measurement *m, const char *name, cJSON *result)
 {
-    cli_size size = m->bench->frame_size;
-    rsv_status status = cli_judged_views_create(m->bench, m->scene, name, size, m->view);
+    double seconds = REFERENCE_SHARE * (m->deadline - cli_seconds());
+    rsv_status status = cli_judged_views_create(m->bench, m->scene, name, seconds, m->view);
     m->points = cJSON_AddArrayToObject(result, "points");
     for (int q = 0; q <= m->bench->quality && status == RSV_OK; q++)
         status = measure_quality(m, q);
     if (status != RSV_OK) return status;
+    cJSON_AddNumberToObject(result, "reference_spp", m->view[FIRST].samples);
+    cJSON_AddBoolToObject(result, "cut_short", m->cut_short);
     cJSON *times = cJSON_AddArrayToObject(result, "times");
     for (int view = FIRST; view < VIEWS; view++)
         for (size_t k = 0; k < wanted_count; k++)
@@ -183,7 +252,7 @@ static rsv_status measure(measurement *m, const char *name, cJSON *result)
 bool cli_bench_pictures(const cli_bench_task *bench, cJSON *result)
 {
     cli_room_files room;
-    measurement m = { .bench = bench };
+    measurement m = { .bench = bench, .deadline = cli_seconds() + (double)bench->max_seconds };
     if (!cli_find_room(bench, "pictures", &room)) return false;
     if (cli_room_is_missing(&room, result)) return true;
     cli_environment environment = bench->environment;
@@ -217,6 +286,8 @@ void cli_print_pictures(const cJSON *result)
         printf("  skipped: %s\n", cJSON_GetStringValue(skipped));
         return;
     }
+    if (cJSON_IsTrue(cJSON_GetObjectItem(result, "cut_short")))
+        puts("  cut short by --max-time: what is missing below would have taken longer");
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(result, "points"))
         printf("  %-13s %-6s %3.0f spp: %.3g s by the clock, %.3g s of processors, relative MSE "
                "%.2g\n",
@@ -240,9 +311,9 @@ void cli_print_pictures_summary(const cJSON *scenes)
             printf("| %s | %s | %g | %s |", cJSON_GetStringValue(cJSON_GetObjectItem(s, "scene")),
                 cJSON_GetStringValue(cJSON_GetObjectItem(time, "view")),
                 cli_json_number(time, "relative_mse"), quality ? quality : "-");
-            print_number(" %.2f |", cli_json_number(time, "seconds"));
-            print_number(" %.2f |", cli_json_number(time, "cpu_seconds"));
-            print_number(" %.1f |", cli_json_number(time, "reference_cpu_seconds"));
+            print_number(" %.3g |", cli_json_number(time, "seconds"));
+            print_number(" %.3g |", cli_json_number(time, "cpu_seconds"));
+            print_number(" %.3g |", cli_json_number(time, "reference_cpu_seconds"));
             print_number(" %.3g |", cli_json_number(time, "factor"));
             puts("");
         }

@@ -1,7 +1,7 @@
 #include "benchmarks.h"
 #include "stats.h"
 
-#include "resolvent/render.h"
+#include "resolvent/frame.h"
 
 #include <cJSON.h>
 #include <math.h>
@@ -59,7 +59,10 @@ static rsv_status solve_and_render(
     desc.direct_level = r->mode == RSV_RENDER_OPERATOR;
     rsv_light *solution = NULL;
     rsv_status status = rsv_light_create(scene, &desc, &solution);
-    if (status == RSV_OK) status = rsv_render(solution, &picture, image);
+    bool is_frames = r->mode == RSV_RENDER_OPERATOR;
+    if (status == RSV_OK)
+        status = is_frames ? rsv_render_operator(solution, &picture, RSV_GLOSS_PATHS, image)
+                           : rsv_render(solution, &picture, image);
     rsv_light_destroy(solution);
     return status;
 }

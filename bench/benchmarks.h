@@ -24,6 +24,7 @@ typedef struct cli_bench_task {
     uint32_t
         reference_samples; ///< quality, rooms, pictures: camera rays per pixel of the reference
     int quality;           ///< of those that solve with one: an rsv_quality
+    float max_seconds;     ///< pictures: by the clock, for each scene
     uint32_t paths;        ///< certificate: of each reading of the truth, 0 = default
     cli_list references;   ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;

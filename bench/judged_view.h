@@ -19,18 +19,24 @@ typedef struct cli_judged_view {
     rsv_camera camera;
     cli_size size;
     rsv_image *half[2];  ///< independent pictures of mode reference
+    uint32_t samples;    ///< per pixel of each
+    uint32_t seed;       ///< of theirs, beside what all views share
     double variance;     ///< relative MSE of one sample per pixel in that mode
     double pass_seconds; ///< of all processors, for one sample per pixel
+    double pass_clock;   ///< likewise, by the clock
 } cli_judged_view;
 
 /// The scene's first camera, and another view: its second camera or a place of the benchmarks' flight.
 /// @param name of the scene, for files of the task's cache of references
+/// @param seconds by the clock that references may take: they have fewer samples then than the task asks for
 /// @param view out, [2]; to be destroyed even after an error
 rsv_status cli_judged_views_create(const cli_bench_task *bench, const rsv_scene *scene,
-    const char *name, cli_size size, cli_judged_view *view);
+    const char *name, double seconds, cli_judged_view *view);
 void cli_judged_views_destroy(cli_judged_view *view);
 
 /// A picture of mode final.
+rsv_render_desc cli_describe_view(const cli_judged_view *view, uint32_t samples);
+/// Takes it.
 rsv_status cli_take_view(
     const cli_judged_view *view, const rsv_light *light, uint32_t samples, rsv_image **image);
 

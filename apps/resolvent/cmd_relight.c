@@ -10,8 +10,8 @@
 #include "stats.h"
 #include "subject.h"
 
-#include "resolvent/relight.h"
-#include "resolvent/render.h"
+#include "resolvent/frame.h"
+#include "resolvent/lightmix.h"
 
 #include <cJSON.h>
 #include <limits.h>
@@ -46,7 +46,9 @@ static const char help[] =
     "                     Lines of FRAME light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
     "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z place.object=X,Y,Z\n"
     "                     env-rotate=DEG env-intensity=S;\n"
-    "                     what lies between two lines changes evenly\n"
+    "                     what lies between two lines changes evenly. Where strengths and colours\n"
+    "                     of lights alone change, what each light shows is rendered once, and\n"
+    "                     frames are sums of that\n"
     "  --object FILE      a rigid object, lit and shown in --mode operator without solving for "
     "it;\n"
     "                     a script places it, metres from where its file has it (docs/view.md)\n"
@@ -95,7 +97,8 @@ typedef struct stage {
     cli_subject subject;
     rsv_relighter *relighter;
     uint32_t camera, frame_count;
-    bool prepared; ///< strengths alone change: what each source does by itself is known
+    rsv_light_mix *mix; ///< frames are sums of what sources show; NULL = each is rendered
+    bool prepared;      ///< strengths alone change: what each source does by itself is known
     double time_relight, time_render;
     float exposure; ///< of .png: one for all frames
     char scene_name[256];
@@ -298,20 +301,29 @@ static bool check_outputs(const settings *s)
 
 // ---- work -----------------------------------------------------------------------------------------
 
-static rsv_status render(
-    const settings *s, const rsv_light *solution, uint32_t camera, rsv_image **image)
+static rsv_render_desc describe_picture(const settings *s, const stage *on)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(solution));
+    const rsv_scene_view *view = rsv_scene_get_view(on->subject.scene);
     rsv_render_desc desc = rsv_default_render_desc();
-    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[camera]);
+    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
     desc.mode = (rsv_render_mode)s->mode;
-    desc.camera = camera;
+    desc.camera = on->camera;
     desc.width = size.width;
     desc.height = size.height;
     desc.samples = s->samples;
     desc.seed = s->seed;
-    return s->body ? cli_render_object(solution, s->body, s->place, &desc, image)
-                   : rsv_render(solution, &desc, image);
+    return desc;
+}
+
+static rsv_status render(const settings *s, const stage *on, rsv_image **image)
+{
+    const rsv_light *solution = on->subject.solution;
+    rsv_render_desc desc = describe_picture(s, on);
+    if (s->body) return cli_render_object(solution, s->body, s->place, &desc, image);
+    if (on->mix) return rsv_light_mix_take(on->mix, image);
+    return s->mode == RSV_RENDER_OPERATOR
+               ? rsv_render_operator(solution, &desc, RSV_GLOSS_PATHS, image)
+               : rsv_render(solution, &desc, image);
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
@@ -328,7 +340,7 @@ static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
             status = rsv_light_save(solution, on->scene_name, path);
             continue;
         }
-        if (!image) status = render(s, solution, on->camera, &image);
+        if (!image) status = render(s, on, &image);
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
         if (status == RSV_OK) status = rsv_image_write(image, path, on->exposure);
     }
@@ -344,6 +356,7 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
     cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
     cJSON *more = cJSON_CreateObject();
     cJSON_AddNumberToObject(more, "frames", on->frame_count);
+    if (on->mix) cJSON_AddNumberToObject(more, "pictures", (double)rsv_light_mix_rendered(on->mix));
     cJSON_AddNumberToObject(more, "relight_rays", (double)rsv_relighter_rays(on->relighter));
     cli_stats stats = { .command = "relight",
         .scene = s->scene,
@@ -365,9 +378,8 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
 }
 
 /// Whether frames differ in strengths alone, and want nothing but pictures: then each is a sum of what is known.
-static bool is_a_sum(const settings *s, const rsv_scene *scene)
+static bool is_a_sum(const settings *s)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(scene);
     if (s->animation.first == s->animation.last) return false;
     for (size_t k = 0; k < s->animation.track_count; k++) {
         cli_track_kind kind = s->animation.track[k].kind;
@@ -376,11 +388,37 @@ static bool is_a_sum(const settings *s, const rsv_scene *scene)
     }
     for (size_t k = 0; k < s->outputs.count; k++)
         if (is_operator_name(s->outputs.item[k])) return false;
+    return true;
+}
+
+static bool is_translucent(const rsv_scene_view *view)
+{
+    bool any = false;
     for (size_t m = 0; m < view->material_count; m++) {
         rsv_rgb scatter = view->material[m].scatter_distance;
-        if (scatter.r + scatter.g + scatter.b > 0) return false;
+        any = any || scatter.r + scatter.g + scatter.b > 0;
     }
-    return true;
+    return any;
+}
+
+/// Frames of this process that repay a picture for each source that changes and two for the rest.
+static bool is_worth_a_mix(const settings *s)
+{
+    size_t frames = (s->animation.last - s->animation.first + 1) / cli_crew_size();
+    return !s->body && frames > 2 * s->animation.track_count + 2;
+}
+
+/// What sources do by themselves, where each frame is a sum of it.
+static rsv_status prepare_sums(const settings *s, stage *on)
+{
+    rsv_status status = RSV_OK;
+    rsv_render_desc desc = describe_picture(s, on);
+    if (!is_a_sum(s)) return RSV_OK;
+    on->prepared = !is_translucent(rsv_scene_get_view(on->subject.scene));
+    if (on->prepared) status = rsv_relighter_prepare(on->relighter);
+    if (status == RSV_OK && is_worth_a_mix(s))
+        status = rsv_light_mix_create(on->relighter, &desc, &on->mix);
+    return status;
 }
 
 /// Statistics speak of the last frame, exactly: a sum of what is known leaves the report of the solve as it was.
@@ -422,22 +460,28 @@ static bool set_stage(cli_session *session, const settings *s, stage *on)
         light.position = place_of_added(s->added.item[k], on->subject.scene);
         status = rsv_relighter_add_light(on->relighter, &light);
     }
-    on->prepared = is_a_sum(s, on->subject.scene);
-    if (status == RSV_OK && on->prepared) status = rsv_relighter_prepare(on->relighter);
+    if (status == RSV_OK) status = prepare_sums(s, on);
     on->time_relight += cli_seconds() - started;
     if (status != RSV_OK) cli_report_failure(session, status);
     return status == RSV_OK;
 }
 
-/// Makes the light what the frame wants; exact, or a sum of what was solved as far as anybody can see.
-static rsv_status relight(const settings *s, stage *on)
+/// Carries the light on to where nobody sees a difference, or, if it is to stay, to the end.
+static rsv_status settle(const stage *on)
 {
     rsv_relight_progress progress = { 0 };
+    rsv_status status = RSV_OK;
+    if (on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
+    bool is_there = progress.converged && progress.orders == 0;
+    return status == RSV_OK && !is_there ? rsv_relighter_refine(on->relighter) : status;
+}
+
+/// Makes the light what the frame wants.
+static rsv_status relight(const settings *s, stage *on)
+{
     double started = cli_seconds();
     rsv_status status = rsv_relighter_change(on->relighter, &s->relight);
-    if (status == RSV_OK && on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
-    if (status == RSV_OK && !(progress.converged && progress.orders == 0))
-        status = rsv_relighter_refine(on->relighter);
+    if (status == RSV_OK && !on->mix) status = settle(on);
     on->time_relight += cli_seconds() - started;
     return status;
 }
@@ -482,6 +526,7 @@ static int run(cli_session *session, settings *s)
     if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
     bool good = set_stage(session, s, &on) && run_frames(session, s, &on);
     if (good && s->stats) good = finish_stats(session, s, &on);
+    rsv_light_mix_destroy(on.mix);
     rsv_relighter_destroy(on.relighter);
     cli_close_subject(&on.subject);
     return good ? CLI_SUCCESS : CLI_FAILURE;

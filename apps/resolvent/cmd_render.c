@@ -10,6 +10,7 @@
 #include "stats.h"
 #include "subject.h"
 
+#include "resolvent/frame.h"
 #include "resolvent/plan.h"
 #include "resolvent/update.h"
 
@@ -58,6 +59,10 @@ static const char help[] =
     "                     fisheye: the half space ahead in a circle\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
+    "  --gloss KIND       operator: what rough surfaces reflect is found by paths (default: right "
+    "in "
+    "the\n"
+    "                     mean) or reused among neighbours, as in `view` (fast, a little biased)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, "
     "...\n" CLI_EXPOSURE_HELP
     "  --error P%         final: RMS error of pixels that is wanted, relative to what is around\n"
@@ -93,6 +98,10 @@ static const char *const projection_names[] = { [RSV_PROJECTION_CAMERA] = "persp
     [RSV_PROJECTION_FISHEYE] = "fisheye",
     NULL };
 
+static const char *const gloss_names[] = {
+    [RSV_GLOSS_PATHS] = "paths", [RSV_GLOSS_REUSED] = "reused", NULL
+};
+
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
@@ -103,7 +112,7 @@ typedef struct settings {
     cli_solve_choice solve;
     cli_list outputs;
     cli_size size;
-    int mode, device;
+    int mode, device, gloss;
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
@@ -164,6 +173,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .kind = CLI_REAL,
             .value = &s->occlusion_distance,
             .max = 1e9 },
+        { .name = "--gloss", .kind = CLI_CHOICE, .value = &s->gloss, .choices = gloss_names },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
@@ -244,6 +254,12 @@ static bool check_request(const settings *s)
             projection_names[s->projection]);
         return false;
     }
+    bool is_more = s->layers || s->noise > 0 || s->fstop > 0 || s->projection;
+    if (s->gloss == RSV_GLOSS_REUSED && (s->mode != RSV_RENDER_OPERATOR || is_more)) {
+        cli_error("--gloss reused is for --mode operator, without --layers, --noise, --fstop and "
+                  "--projection");
+        return false;
+    }
     bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
     if (is_occlusion && (s->fstop > 0 || s->projection != RSV_PROJECTION_CAMERA)) {
         cli_error("--mode %s is a pinhole camera's: leave out --fstop and --projection",
@@ -312,11 +328,12 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     return true;
 }
 
-/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise, and 12 for
-/// each layer.
+/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise or frames add
+/// up, and 12 for each layer.
 static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
 {
-    size_t bytes = s->planned || picture->noise > 0 ? 46 : 25;
+    bool sums = picture->mode == RSV_RENDER_OPERATOR && !picture->layers;
+    size_t bytes = s->planned || picture->noise > 0 || sums ? 46 : 25;
     if (picture->layers) bytes += 120;
     return picture->width * (size_t)picture->height * bytes;
 }
@@ -417,7 +434,9 @@ static rsv_status render(const settings *s, const rsv_render_desc *desc, const c
 {
     rsv_status status;
     double started = cli_seconds();
-    if (is_solved(s))
+    if (desc->mode == RSV_RENDER_OPERATOR)
+        status = rsv_render_operator(subject->solution, desc, (rsv_frame_gloss)s->gloss, image);
+    else if (is_solved(s))
         status = rsv_render(subject->solution, desc, image);
     else if (desc->mode == RSV_RENDER_REFERENCE)
         status = rsv_render_reference(subject->scene, desc, image, &stats->standard_error);

@@ -9,6 +9,7 @@
 #define RESOLVENT_FRAME_H
 
 #include "resolvent/mover.h"
+#include "resolvent/render.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -55,6 +56,9 @@ typedef struct rsv_frame_desc {
     rsv_instructions instructions;
     rsv_frame_gloss gloss; ///< default RSV_GLOSS_REUSED
     rsv_frame_rest rest;
+    /// Frames that will be rendered of one view: their samples are spread evenly over the pixel, and preparations that
+    /// only many frames repay are spared. Default 0 = as many as there is time for.
+    uint32_t frames;
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);
@@ -118,6 +122,14 @@ RSV_API void rsv_frame_radiance(
 
 /// The instructions in use, never RSV_INSTRUCTIONS_BEST.
 RSV_API rsv_instructions rsv_frame_instructions(const rsv_frame_renderer *renderer);
+
+/// Renders mode operator as a sum of frames, many times as fast as rsv_render. What frames do not show goes through
+/// rsv_render: depth of field, projections, shifted films, layers, noise limits, teams, and, unless `gloss` says otherwise,
+/// scenes with rough surfaces, whose random reflections have less noise there.
+/// @param desc as for rsv_render; errors likewise
+/// @param gloss RSV_GLOSS_PATHS: right in the mean; RSV_GLOSS_REUSED: fast and smooth, and a little biased
+RSV_API rsv_status rsv_render_operator(
+    const rsv_light *light, const rsv_render_desc *desc, rsv_frame_gloss gloss, rsv_image **image);
 
 /// A camera moved sideways for one of two eyes. @param eye 0 = left @param separation metres between them
 RSV_API rsv_camera rsv_camera_eye(const rsv_camera *camera, uint32_t eye, float separation);

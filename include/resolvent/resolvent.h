@@ -12,6 +12,7 @@
 #include "resolvent/frame.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
+#include "resolvent/lightmix.h"
 #include "resolvent/luminaire.h"
 #include "resolvent/mover.h"
 #include "resolvent/operator.h"

@@ -113,11 +113,11 @@ static void find_range(const rsv_specular_media *media, rsv_clearances *c)
 }
 
 rsv_status rsv_clearances_create(
-    rsv_context *context, const rsv_specular_media *media, rsv_clearances *c)
+    rsv_context *context, const rsv_specular_media *media, bool wanted, rsv_clearances *c)
 {
     const rsv_scene_view *view = media->scene->view;
     *c = (rsv_clearances){ .context = context, .tracer = media->scene->tracer, .holds = true };
-    find_range(media, c);
+    if (wanted) find_range(media, c);
     c->of = rsv_alloc(context, (size_t)c->count + 1, sizeof *c->of);
     if (!c->of) return RSV_ERROR_MEMORY;
     rsv_clearances_refresh(c, c->tracer);

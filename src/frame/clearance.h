@@ -27,8 +27,9 @@ typedef struct rsv_clearances {
     bool holds; ///< nothing has been set apart to move
 } rsv_clearances;
 
-rsv_status rsv_clearances_create(
-    rsv_context *context, const struct rsv_specular_media *media, rsv_clearances *clearances);
+/// @param wanted false = nothing is to be known
+rsv_status rsv_clearances_create(rsv_context *context, const struct rsv_specular_media *media,
+    bool wanted, rsv_clearances *clearances);
 void rsv_clearances_destroy(rsv_clearances *clearances);
 
 /// Forgets all if the scene's triangles may have moved.

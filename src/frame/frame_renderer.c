@@ -1,7 +1,14 @@
+#include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "frame_device.h"
 
 #include <string.h>
+
+#define PATTERN 0x7f4a7c15u ///< of samples whose number is known
+
+/// Camera rays per triangle that repay a hierarchy for beams, and what rays of specular paths are clear of.
+#define BEAM_RAYS 64
+#define CLEARANCE_RAYS 256
 
 struct rsv_frame_renderer {
     rsv_context *context;
@@ -143,6 +150,25 @@ static rsv_status create_table(rsv_frame_renderer *r)
     return status == RSV_OK ? rsv_light_table_create(s, &r->materials, &r->table) : status;
 }
 
+/// Camera rays per triangle.
+static double rays_expected(const rsv_frame_renderer *r)
+{
+    double pixels = (double)r->desc.width * r->desc.height * r->desc.eyes;
+    double triangles = (double)r->solution->scene.view->triangle_count;
+    return r->desc.frames > 0 ? r->desc.frames * pixels / fmax(triangles, 1) : INFINITY;
+}
+
+/// What makes rays faster, where there are enough of them to repay it.
+static rsv_status create_shortcuts(rsv_frame_renderer *r)
+{
+    double rays = rays_expected(r);
+    const rsv_tracer *tracer = r->solution->scene.tracer;
+    rsv_status status =
+        rsv_clearances_create(r->context, &r->media, rays >= CLEARANCE_RAYS, &r->clearances);
+    r->beams = (rsv_beams){ .tracer = tracer };
+    return status == RSV_OK && rays >= BEAM_RAYS ? rsv_beams_create(tracer, &r->beams) : status;
+}
+
 rsv_status rsv_frame_renderer_create(
     const rsv_light *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
 {
@@ -161,8 +187,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(create_gloss(r));
     RSV_TRY(create_rest(r));
     RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
-    RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
-    RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
+    RSV_TRY(create_shortcuts(r));
     RSV_TRY(create_workers(r));
     RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
@@ -209,13 +234,29 @@ static bool same_view(const rsv_camera *a, const rsv_camera *b)
            a->vertical_fov == b->vertical_fov && a->vertical_extent == b->vertical_extent;
 }
 
+/// Of a number that is known, samples are spread better than of one that is not: each in a stratum of its own. Reused gloss
+/// and devices know one place for all pixels.
+static void place_sample(const rsv_frame_renderer *r, uint32_t sample, rsv_frame_aim *aim)
+{
+    uint32_t count = r->desc.frames;
+    rsv_shared_place(sample, &aim->place_x, &aim->place_y);
+    if (count < 2 || sample >= count) return;
+    rsv_stratified_2d(sample, count, PATTERN, &aim->place_x, &aim->place_y);
+    if (reuses_gloss(r) || r->device) return;
+    aim->scatter = 1 / (float)count;
+    aim->place_x = floorf(aim->place_x * (float)count) * aim->scatter;
+    aim->place_y = floorf(aim->place_y * (float)count) * aim->scatter;
+    aim->phase[0] = rsv_hash2(sample, PATTERN);
+    aim->phase[1] = rsv_hash2(sample, ~PATTERN);
+}
+
 static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
 {
     e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->tiling.width, r->tiling.height),
         .width = r->tiling.width,
         .height = r->tiling.height };
     e->beam_lens = rsv_beam_lens_of(&e->aim.lens);
-    rsv_shared_place(e->samples, &e->aim.place_x, &e->aim.place_y);
+    place_sample(r, e->samples, &e->aim);
     e->spread = rsv_camera_spread(&e->camera, r->tiling.height) / sqrtf((float)(e->samples + 1));
 }
 

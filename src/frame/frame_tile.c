@@ -118,7 +118,8 @@ static void gather_beam(tile *t)
     const rsv_frame_aim *aim = &t->eye->aim;
     if (!tiling->beams->hold || !t->eye->beam_lens.usable) return;
     float low[2] = { (float)t->column + aim->place_x, (float)t->row + aim->place_y };
-    float high[2] = { low[0] + (float)(t->width - 1), low[1] + (float)(t->height - 1) };
+    float high[2] = { low[0] + (float)(t->width - 1) + aim->scatter,
+        low[1] + (float)(t->height - 1) + aim->scatter };
     rsv_beam *beam = &t->worker->beam;
     if (tiling->kernels->gather(tiling->beams, &t->eye->beam_lens, low, high, beam)) t->beam = beam;
 }

@@ -24,7 +24,16 @@ typedef struct rsv_frame_aim {
     rsv_lens lens;
     uint32_t width, height;
     float place_x, place_y; ///< of the sample within each pixel
+    float scatter;     ///< how far rsv_scatter moves it at most; 0 = the same place in all pixels
+    uint32_t phase[2]; ///< of that, right and down
 } rsv_frame_aim;
+
+/// Moves a sample within its stratum, in pixels nearby by different amounts: the plastic number's lattice (Roberts 2018).
+RSV_INLINE float rsv_scatter(
+    float place, float scatter, uint32_t phase, uint32_t along, uint32_t across)
+{
+    return place + scatter * rsv_unit_float(phase + 0xc13fa9a9u * along + 0x91e10da5u * across);
+}
 
 /// Where the rays of a packet ended: cells of the light table, and weights of their corners.
 typedef struct rsv_packet_places {

@@ -55,8 +55,10 @@ static void aim_packet(
     for (int k = 0; k < LANES; k++) {
         // the arithmetic of rsv_lens_ray
         int i = (int)column + k % RSV_BLOCK, j = (int)row + k / RSV_BLOCK;
-        float across = ((float)i + a->place_x - lens->half_width) * lens->pixel_size;
-        float upwards = (lens->half_height - ((float)j + a->place_y)) * lens->pixel_size;
+        float place_x = rsv_scatter(a->place_x, a->scatter, a->phase[0], (uint32_t)i, (uint32_t)j);
+        float place_y = rsv_scatter(a->place_y, a->scatter, a->phase[1], (uint32_t)j, (uint32_t)i);
+        float across = ((float)i + place_x - lens->half_width) * lens->pixel_size;
+        float upwards = (lens->half_height - ((float)j + place_y)) * lens->pixel_size;
         float x = c->right.x * across + upwards * c->up.x;
         float y = c->right.y * across + upwards * c->up.y;
         float z = c->right.z * across + upwards * c->up.z;

@@ -8,50 +8,82 @@
 
 typedef struct four_pictures {
     const rsv_rgb *a[2], *b[2];
-    int width, height, around;
-    double floor, most;
-    bool by_a;
+    int width, height;
+    double floor;
+    rsv_pixel_error_desc desc;
 } four_pictures;
 
-static double luminance_of(const four_pictures *p, size_t pixel)
+/// A sum over pixels.
+typedef struct sum3 {
+    double of[3], count;
+} sum3;
+
+static void add(sum3 *sum, rsv_rgb c, double factor)
 {
-    rsv_rgb a = rgb_add(p->a[0][pixel], p->a[1][pixel]);
-    if (p->by_a) return 0.5 * (double)rgb_luminance(a);
-    return 0.25 * (double)rgb_luminance(rgb_add(a, rgb_add(p->b[0][pixel], p->b[1][pixel])));
+    sum->of[0] += factor * (double)c.r;
+    sum->of[1] += factor * (double)c.g;
+    sum->of[2] += factor * (double)c.b;
 }
 
-static double local_luminance(const four_pictures *p, int x, int y)
+static void add_light(const four_pictures *p, size_t pixel, sum3 *sum)
 {
-    double sum = 0, count = 0;
-    for (int j = y - NEIGHBOURHOOD; j <= y + NEIGHBOURHOOD; j++)
-        for (int i = x - NEIGHBOURHOOD; i <= x + NEIGHBOURHOOD; i++) {
-            if (i < 0 || j < 0 || i >= p->width || j >= p->height) continue;
-            sum += luminance_of(p, (size_t)j * p->width + i);
-            count++;
-        }
-    return sum / count;
+    double share = p->desc.by_a ? 0.5 : 0.25;
+    for (int k = 0; k < 2; k++) {
+        add(sum, p->a[k][pixel], share);
+        if (!p->desc.by_a) add(sum, p->b[k][pixel], share);
+    }
+    sum->count++;
 }
 
-/// Mean luminance of a - b of one pair over the pixels around one.
-static double difference_at(const four_pictures *p, int pair, int x, int y)
+/// Adds a - b of one pair.
+static void add_difference(const four_pictures *p, int pair, size_t pixel, sum3 *sum)
 {
-    double sum = 0, count = 0;
-    for (int j = y - p->around; j <= y + p->around; j++)
-        for (int i = x - p->around; i <= x + p->around; i++) {
-            if (i < 0 || j < 0 || i >= p->width || j >= p->height) continue;
-            size_t k = (size_t)j * p->width + i;
-            sum += (double)rgb_luminance(rgb_sub(p->a[pair][k], p->b[pair][k]));
-            count++;
-        }
-    return sum / count;
+    add(sum, rgb_sub(p->a[pair][pixel], p->b[pair][pixel]), 1);
+    sum->count++;
 }
 
+/// The part of the picture around a pixel.
+typedef struct window {
+    int left, right, top, bottom; ///< inclusive
+} window;
+
+static window around(const four_pictures *p, int x, int y, int reach)
+{
+    return (window){ x < reach ? 0 : x - reach, x + reach < p->width ? x + reach : p->width - 1,
+        y < reach ? 0 : y - reach, y + reach < p->height ? y + reach : p->height - 1 };
+}
+
+static sum3 local_light(const four_pictures *p, int x, int y)
+{
+    window w = around(p, x, y, NEIGHBOURHOOD);
+    sum3 sum = { .count = 0 };
+    for (int j = w.top; j <= w.bottom; j++)
+        for (int i = w.left; i <= w.right; i++)
+            add_light(p, (size_t)j * p->width + i, &sum);
+    return sum;
+}
+
+static sum3 local_difference(const four_pictures *p, int pair, int x, int y)
+{
+    window w = around(p, x, y, (int)p->desc.around);
+    sum3 sum = { .count = 0 };
+    for (int j = w.top; j <= w.bottom; j++)
+        for (int i = w.left; i <= w.right; i++)
+            add_difference(p, pair, (size_t)j * p->width + i, &sum);
+    return sum;
+}
+
+/// Mean over the channels, each relative to what is around in that channel, as rsv_image_judge has it.
 static double error_at(const four_pictures *p, int x, int y)
 {
-    double product = difference_at(p, 0, x, y) * difference_at(p, 1, x, y);
-    if (product == 0) return 0; // also where all is black
-    double light = local_luminance(p, x, y);
-    return fmax(fmin(product / (light * light + p->floor), p->most), -p->most);
+    sum3 first = local_difference(p, 0, x, y), second = local_difference(p, 1, x, y);
+    sum3 light = local_light(p, x, y);
+    double error = 0, pairs = first.count * second.count;
+    for (int c = 0; c < 3; c++) {
+        double product = first.of[c] * second.of[c] / pairs, mean = light.of[c] / light.count;
+        if (product != 0) error += product / (3 * (mean * mean + p->floor)); // 0 where all is black
+    }
+    return fmax(fmin(error, p->desc.most), -p->desc.most);
 }
 
 /// By how much the standard error of a mean over all pixels grows as squares of this edge overlap: products of two means
@@ -61,19 +93,19 @@ static double overlap(double edge) { return (2 * edge * edge + 1) / (3 * edge); 
 double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
     rsv_pixel_error_desc desc, double *uncertainty)
 {
-    four_pictures p = { .most = desc.most,
-        .around = (int)desc.around,
-        .by_a = desc.by_a,
-        .width = (int)rsv_image_width(a[0]),
-        .height = (int)rsv_image_height(a[0]) };
-    double count = (double)p.width * p.height, light = 0, sum = 0, squares = 0;
+    four_pictures p = {
+        .desc = desc, .width = (int)rsv_image_width(a[0]), .height = (int)rsv_image_height(a[0])
+    };
+    sum3 light = { .count = 0 };
+    double count = (double)p.width * p.height, sum = 0, squares = 0;
     for (int k = 0; k < 2; k++) {
         p.a[k] = rsv_image_const_pixels(a[k], 0);
         p.b[k] = rsv_image_const_pixels(b[k], 0);
     }
     for (size_t k = 0; k < (size_t)p.width * p.height; k++)
-        light += luminance_of(&p, k) / count;
-    p.floor = FLOOR * light * light;
+        add_light(&p, k, &light);
+    double mean = (light.of[0] + light.of[1] + light.of[2]) / (3 * light.count);
+    p.floor = FLOOR * mean * mean;
     for (int y = 0; y < p.height; y++)
         for (int x = 0; x < p.width; x++) {
             double error = error_at(&p, x, y);

@@ -12,8 +12,8 @@ typedef struct rsv_pixel_error_desc {
         by_a; ///< relative to what a alone shows: b is noisy, and dark where it has missed something
 } rsv_pixel_error_desc;
 
-/// Mean of (a0 - b0) (a1 - b1), relative to the square of what is around (as rsv_image_judgement.relative_mse is), of
-/// luminance. Noise that the differences do not share cancels. Where it is skewed, a limit per pixel cuts off the products that
+/// Mean over pixels and channels of (a0 - b0) (a1 - b1), relative to the square of what is around in that channel, as
+/// rsv_image_judgement.relative_mse is. Noise that the differences do not share cancels. Where it is skewed, a limit per pixel cuts off the products that
 /// would cancel the others: average enough pixels to have some of what is rare in each.
 /// @param uncertainty out: standard error, noise of pixels taken for independent
 double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],

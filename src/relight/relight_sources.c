@@ -411,13 +411,10 @@ static void take_settings(rsv_relighter *r)
     r->residual = INFINITY;
 }
 
-rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
+/// Brings the light to the wanted settings, but for colours, which it has already.
+static rsv_status follow_settings(rsv_relighter *r)
 {
-    rsv_light_settings_home home = home_of(r);
-    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
-    if (status == RSV_OK) status = keep_beginning(r);
-    if (status == RSV_OK) status = set_colors(r);
-    if (status != RSV_OK) return status;
+    rsv_status status = RSV_OK;
     rsv_relighter_change_kind kind =
         r->behind ? RSV_RELIGHTER_ANYTHING : kind_of_change(r, &r->now, &r->wanted);
     r->behind = true;
@@ -436,4 +433,25 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     r->behind = false;
 cleanup:
     return status;
+}
+
+rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
+{
+    rsv_light_settings_home home = home_of(r);
+    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
+    if (status == RSV_OK) status = keep_beginning(r);
+    if (status == RSV_OK) status = set_colors(r);
+    return status == RSV_OK ? follow_settings(r) : status;
+}
+
+rsv_status rsv_relighter_scale(rsv_relighter *r, const rsv_rgb *scale)
+{
+    size_t sources = r->basis->source_count;
+    memcpy(r->wanted.scale, scale, sources * sizeof *scale);
+    memcpy(r->wanted.offset, r->now.offset, sources * sizeof *r->now.offset);
+    memcpy(r->wanted.base_color, r->now.base_color,
+        r->scene->material_count * sizeof *r->now.base_color);
+    r->wanted.rotation = r->now.rotation;
+    rsv_status status = keep_beginning(r);
+    return status == RSV_OK ? follow_settings(r) : status;
 }

@@ -95,6 +95,9 @@ void rsv_relighter_forget_levels(rsv_relighter *relighter);
 /// and their sources are stale.
 void rsv_relighter_return_levels(rsv_relighter *relighter);
 
+/// rsv_relighter_change for factors alone. @param scale [source_count]
+rsv_status rsv_relighter_scale(rsv_relighter *relighter, const rsv_rgb *scale);
+
 /// The linear map of the light's operator, anew.
 rsv_status rsv_relighter_map(rsv_relighter *relighter);
 

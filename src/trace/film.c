@@ -7,8 +7,13 @@
 #define HALF_FILM 0.012f
 #define FAR_AWAY 1e6f ///< metres: what is in focus where nothing is
 
+static bool is_finite(rsv_vec3 a) { return isfinite(a.x + a.y + a.z); }
+
 rsv_status rsv_film_check(const rsv_film_desc *d, const rsv_camera *camera)
 {
+    if (!is_finite(camera->position) || !is_finite(camera->right) || !is_finite(camera->up) ||
+        !is_finite(camera->forward) || !isfinite(camera->vertical_fov + camera->vertical_extent))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "film: the camera is not finite");
     if ((unsigned)d->projection > RSV_PROJECTION_FISHEYE)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "film: projection %d does not exist", (int)d->projection);

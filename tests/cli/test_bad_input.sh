@@ -14,6 +14,8 @@ refuses 1 'a.tiff' render furnace -o "$out/a.tiff" "${small[@]}"
 refuses 1 'folder' render furnace "${picture[@]}" --stats no/such/folder/a.json
 refuses 1 'is a folder' render furnace "${picture[@]}" --stats "$out"
 refuses 1 'folder' scene furnace -o no/such/folder/a.glb
+refuses 1 'gloss reused' render furnace "${picture[@]}" --gloss reused
+refuses 1 'gloss reused' render furnace "${picture[@]}" --gloss reused --mode operator --layers
 refuses 1 'gallows' scene gallows -o "$out/a.glb"
 refuses 1 'camera.*nobody' render furnace "${picture[@]}" --camera nobody
 CUDA_VISIBLE_DEVICES= refuses 1 'error: device: ' render furnace "${picture[@]}" --device cuda

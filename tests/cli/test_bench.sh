@@ -58,6 +58,9 @@ done
 for key in relative_mse cpu_seconds reference_cpu_seconds; do
     grep -q "\"$key\":" pictures.json || complain "the JSON lacks $key"
 done
+succeeds bench pictures cornell-spheres --size 160x120 --max-time 1
+says 'cut short'
+refuses 2 'belongs to bench pictures' bench fps cornell-blocks --max-time 1
 succeeds bench pictures studio --quick --assets kept
 says 'skipped'
 RSV_ASSETS='' refuses 1 'RSV_ASSETS' bench pictures studio --quick

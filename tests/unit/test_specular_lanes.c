@@ -60,7 +60,7 @@ static void nothing_is_met_within_clear_distances(void **state)
     rsv_random random = rsv_random_from(1, 2, 3);
     bundle rays = { 0, 0 };
     assert_int_equal(rsv_specular_media_create(w->context, &w->transport, &media), RSV_OK);
-    assert_int_equal(rsv_clearances_create(w->context, &media, &clearances), RSV_OK);
+    assert_int_equal(rsv_clearances_create(w->context, &media, true, &clearances), RSV_OK);
     for (int k = 0; k < 200000; k++)
         shoot(w, &clearances, &random, &rays);
     // spheres of few triangles look at wide surroundings, and some are cut

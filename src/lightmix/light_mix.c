@@ -1,0 +1,239 @@
+/// Pictures as sums of what sources show: light transport is linear in its sources, pixels included.
+#include "../core/core.h"
+#include "../relight/relight_responses.h"
+#include "resolvent/frame.h"
+#include "resolvent/lightmix.h"
+
+#include <string.h>
+
+#define MOST_BYTES ((size_t)512 << 20)
+
+/// Sources whose factors have always been alike.
+typedef struct mix_part {
+    bool of[RSV_MAX_RELIGHT_SOURCES];
+    rsv_image *image; ///< with factors of 1; NULL = not rendered
+} mix_part;
+
+struct rsv_light_mix {
+    rsv_context *context;
+    rsv_relighter *r;
+    rsv_render_desc picture;
+    rsv_light_settings kept; ///< but for its factors, what the pictures are of
+    size_t source_count, part_count;
+    uint32_t replacements;
+    mix_part part[RSV_MAX_RELIGHT_SOURCES];
+    bool is_unlit;   ///< there are unlit surfaces
+    rsv_image *dark; ///< these alone; NULL = not rendered
+    size_t rendered;
+};
+
+// ---- what is kept ---------------------------------------------------------------------------------
+
+static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+static bool same_place(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+/// Whether nothing but factors has changed since the pictures were rendered.
+static bool holds(const rsv_light_mix *m)
+{
+    const rsv_light_settings *now = &m->r->now;
+    bool same = m->part_count > 0 && m->source_count == m->r->basis->source_count &&
+                m->replacements == m->r->replacements && m->kept.rotation == now->rotation;
+    for (size_t k = 0; k < m->source_count && same; k++)
+        same = same_place(m->kept.offset[k], now->offset[k]);
+    for (size_t k = 0; k < m->r->scene->material_count && same; k++)
+        same = same_color(m->kept.base_color[k], now->base_color[k]);
+    return same;
+}
+
+static void drop_pictures(rsv_light_mix *m)
+{
+    for (size_t p = 0; p < m->part_count; p++)
+        rsv_image_destroy(m->part[p].image);
+    rsv_image_destroy(m->dark);
+    m->dark = NULL;
+    m->part_count = 0;
+}
+
+/// All sources as one part, as places and colours are now.
+static void start_over(rsv_light_mix *m)
+{
+    const rsv_light_settings *now = &m->r->now;
+    drop_pictures(m);
+    m->source_count = m->r->basis->source_count;
+    m->replacements = m->r->replacements;
+    m->kept.rotation = now->rotation;
+    memcpy(m->kept.offset, now->offset, m->source_count * sizeof *now->offset);
+    memcpy(
+        m->kept.base_color, now->base_color, m->r->scene->material_count * sizeof *now->base_color);
+    m->part[0] = (mix_part){ .image = NULL };
+    for (size_t k = 0; k < m->source_count; k++)
+        m->part[0].of[k] = true;
+    m->part_count = m->source_count > 0;
+}
+
+static size_t first_of(const mix_part *part)
+{
+    size_t k = 0;
+    while (!part->of[k])
+        k++;
+    return k;
+}
+
+static rsv_rgb factor_of(const rsv_light_mix *m, const mix_part *part)
+{
+    return m->r->now.scale[first_of(part)];
+}
+
+/// Moves sources whose factor is not that of the part's first one to a part of their own. @return whether there are any
+static bool split(rsv_light_mix *m, size_t p)
+{
+    mix_part *part = &m->part[p], rest = { .image = NULL };
+    rsv_rgb factor = factor_of(m, part);
+    bool any = false;
+    for (size_t k = 0; k < m->source_count; k++) {
+        rest.of[k] = part->of[k] && !same_color(m->r->now.scale[k], factor);
+        part->of[k] = part->of[k] && !rest.of[k];
+        any = any || rest.of[k];
+    }
+    if (!any) return false;
+    rsv_image_destroy(part->image);
+    part->image = NULL;
+    m->part[m->part_count++] = rest;
+    return true;
+}
+
+// ---- pictures -------------------------------------------------------------------------------------
+
+/// Parts with random numbers of their own add up to less noise; but what unlit surfaces show in all of them shall cancel.
+static uint32_t seed_of(const rsv_light_mix *m, uint32_t part)
+{
+    return m->is_unlit || part == 0 ? m->picture.seed : rsv_hash2(m->picture.seed, part);
+}
+
+static rsv_status render(rsv_light_mix *m, uint32_t part, rsv_image **image)
+{
+    rsv_relighter *r = m->r;
+    rsv_render_desc desc = m->picture;
+    rsv_status status = RSV_OK;
+    desc.seed = seed_of(m, part);
+    if (!r->responses || r->s->diffused.elements) status = rsv_relighter_settle(r);
+    if (status != RSV_OK) return status;
+    m->rendered++;
+    return desc.mode == RSV_RENDER_OPERATOR
+               ? rsv_render_operator(r->light, &desc, RSV_GLOSS_PATHS, image)
+               : rsv_render(r->light, &desc, image);
+}
+
+/// What some sources show by themselves, as strong as they were in the beginning.
+static rsv_status render_part(rsv_light_mix *m, const bool *of, uint32_t part, rsv_image **image)
+{
+    rsv_rgb scale[RSV_MAX_RELIGHT_SOURCES];
+    for (size_t k = 0; k < m->source_count; k++)
+        scale[k] = rgb_gray(of[k]);
+    rsv_status status = rsv_relighter_scale(m->r, scale);
+    return status == RSV_OK ? render(m, part, image) : status;
+}
+
+/// Renders what shows and is not there yet, and puts the light back.
+static rsv_status complete(rsv_light_mix *m)
+{
+    static const bool none[RSV_MAX_RELIGHT_SOURCES] = { false };
+    rsv_status status = RSV_OK;
+    rsv_rgb wanted[RSV_MAX_RELIGHT_SOURCES];
+    size_t before = m->rendered;
+    memcpy(wanted, m->r->now.scale, m->source_count * sizeof *wanted);
+    for (size_t p = 0; p < m->part_count; p++) {
+        mix_part *part = &m->part[p];
+        size_t first = first_of(part);
+        if (part->image || rgb_is_black(wanted[first])) continue;
+        RSV_TRY(render_part(m, part->of, (uint32_t)first, &part->image));
+    }
+    if (!m->dark && m->is_unlit) RSV_TRY(render_part(m, none, RSV_MAX_RELIGHT_SOURCES, &m->dark));
+    if (m->rendered > before) RSV_TRY(rsv_relighter_scale(m->r, wanted));
+cleanup:
+    return status;
+}
+
+static void add_part(
+    const rsv_light_mix *m, const rsv_image *part, rsv_rgb factor, rsv_rgb *restrict sum)
+{
+    const rsv_rgb *restrict from = rsv_image_const_pixels(part, 0);
+    const rsv_rgb *restrict dark = m->dark ? rsv_image_const_pixels(m->dark, 0) : NULL;
+    size_t pixels = (size_t)m->picture.width * m->picture.height;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->context))
+    for (size_t k = 0; k < pixels; k++) {
+        rsv_rgb own = dark ? rgb_sub(from[k], dark[k]) : from[k];
+        sum[k] = rgb_add(sum[k], rgb_mul(factor, own));
+    }
+}
+
+static rsv_status add_up(const rsv_light_mix *m, rsv_image **image)
+{
+    size_t pixels = (size_t)m->picture.width * m->picture.height;
+    rsv_status status = rsv_image_create(m->context, m->picture.width, m->picture.height, 1, image);
+    if (status != RSV_OK) return status;
+    rsv_rgb *sum = rsv_image_pixels(*image, 0);
+    if (m->dark) memcpy(sum, rsv_image_const_pixels(m->dark, 0), pixels * sizeof *sum);
+    for (size_t p = 0; p < m->part_count; p++)
+        if (m->part[p].image) add_part(m, m->part[p].image, factor_of(m, &m->part[p]), sum);
+    for (size_t k = 0; m->dark && k < pixels; k++)
+        sum[k] = rgb_positive(sum[k]);
+    return RSV_OK;
+}
+
+rsv_status rsv_light_mix_take(rsv_light_mix *m, rsv_image **image)
+{
+    if (!holds(m)) start_over(m);
+    for (size_t p = 0; p < m->part_count;)
+        p += !split(m, p);
+    size_t pixels = (size_t)m->picture.width * m->picture.height;
+    if ((m->part_count + 1) * pixels * sizeof(rsv_rgb) > MOST_BYTES) {
+        drop_pictures(m);
+        return render(m, 0, image);
+    }
+    rsv_status status = complete(m);
+    return status == RSV_OK ? add_up(m, image) : status;
+}
+
+size_t rsv_light_mix_rendered(const rsv_light_mix *m) { return m->rendered; }
+
+// ---- creation -------------------------------------------------------------------------------------
+
+static bool shows_unlit(const rsv_scene *scene)
+{
+    bool any = false;
+    for (size_t k = 0; k < scene->material_count; k++)
+        any = any || scene->material[k].unlit;
+    return any;
+}
+
+rsv_status rsv_light_mix_create(
+    rsv_relighter *r, const rsv_render_desc *picture, rsv_light_mix **mix)
+{
+    rsv_status status;
+    bool is_solved = picture->mode == RSV_RENDER_FINAL || picture->mode == RSV_RENDER_OPERATOR;
+    if (!is_solved || picture->layers)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "light mix: pictures are of modes final and operator, without layers");
+    rsv_light_mix *m = rsv_alloc(r->context, 1, sizeof *m);
+    if (!m) return RSV_ERROR_MEMORY;
+    *m = (rsv_light_mix){
+        .context = r->context, .r = r, .picture = *picture, .is_unlit = shows_unlit(r->scene)
+    };
+    RSV_TRY(rsv_light_settings_allocate(
+        r->context, RSV_MAX_RELIGHT_SOURCES, r->scene->material_count, &m->kept));
+    *mix = m;
+    m = NULL;
+cleanup:
+    rsv_light_mix_destroy(m);
+    return status;
+}
+
+void rsv_light_mix_destroy(rsv_light_mix *m)
+{
+    if (!m) return;
+    drop_pictures(m);
+    rsv_light_settings_free(m->context, &m->kept);
+    rsv_free(m->context, m);
+}
