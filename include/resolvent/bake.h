@@ -8,11 +8,29 @@
 #ifndef RESOLVENT_BAKE_H
 #define RESOLVENT_BAKE_H
 
+#include "resolvent/render.h"
 #include "resolvent/solve.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/// A texel or vertex as it was baked, and where it is.
+typedef struct rsv_bake_value {
+    uint32_t at[2];     ///< texel, from the upper left; or a vertex of the file's lit primitives, and 0
+    rsv_rgb irradiance; ///< W/m2, before the file's format rounds or clips it
+    const rsv_surface_place *place; ///< [place_count] that it is the mean of
+    uint32_t place_count;
+    bool translucent; ///< its light is diffused below the surface: it is not what arrives at the places
+} rsv_bake_value;
+
+/// Sees values of lightmaps and vertices as they are written, for instance to judge them. Called by one thread, in order.
+typedef struct rsv_bake_visitor {
+    void *user;
+    /// Whether a value is wanted. @param size of the map; or of the list of vertices, and 1
+    bool (*wants)(void *user, const uint32_t at[2], const uint32_t size[2]);
+    void (*take)(void *user, const rsv_bake_value *value); ///< value is valid during the call alone
+} rsv_bake_visitor;
 
 /// Start from rsv_default_bake_desc().
 typedef struct rsv_bake_desc {
@@ -37,6 +55,7 @@ typedef struct rsv_bake_desc {
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     bool dry_run;           ///< find out what would come out, write nothing
+    const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
 
 RSV_API rsv_bake_desc rsv_default_bake_desc(void);

@@ -4,6 +4,7 @@
 #include "bake_constants.h"
 #include "bake_lightmap_file.h"
 #include "bake_operator.h"
+#include "bake_patch.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
 #include "bake_seam.h"
@@ -61,6 +62,38 @@ static rsv_status write_operator(const rsv_lightmap_bake *b, const char *output)
     const rsv_bake_map *map = &b->layout.map;
     return rsv_bake_write_operator(
         b->s, "texel", map->receiver, (size_t)map->width * map->height, output);
+}
+
+static rsv_bake_sheet sheet_of(const rsv_lightmap_bake *b)
+{
+    return (rsv_bake_sheet){ &b->layout.charts, b->parts.part, &b->layout.map, b->layout.density };
+}
+
+static bool is_translucent(const rsv_light_view *s, const rsv_surface_place *place)
+{
+    uint32_t face = s->elements->face_of[place->back][place->triangle];
+    return face != RSV_NONE && rsv_is_translucent(s, face);
+}
+
+/// Shows the visitor the texels that surfaces have.
+static void show_texels(const rsv_lightmap_bake *b)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    const rsv_bake_map *map = &b->layout.map;
+    const rsv_bake_sheet sheet = sheet_of(b);
+    const uint32_t size[2] = { map->width, map->height };
+    for (uint32_t k = 0; k < map->width * map->height; k++) {
+        const uint32_t at[2] = { k % map->width, k / map->width };
+        rsv_bake_patch patch;
+        if (!(map->distance[k] < 0.5f) || !visitor->wants(visitor->user, at, size)) continue;
+        rsv_bake_texel_patch(&sheet, k, &patch);
+        const rsv_bake_value value = { .at = { at[0], at[1] },
+            .irradiance = map->light[k],
+            .place = patch.place,
+            .place_count = patch.count,
+            .translucent = is_translucent(b->s, patch.place) };
+        visitor->take(visitor->user, &value);
+    }
 }
 
 static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
@@ -137,6 +170,7 @@ static rsv_status write_lightmap(const rsv_light_view *solution, const rsv_bake_
     warn_if_coarse(&b);
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
+    if (desc->visitor) show_texels(&b);
     if (b.desc->dry_run) goto cleanup;
     if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
     if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));

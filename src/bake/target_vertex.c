@@ -213,6 +213,32 @@ cleanup:
     return status;
 }
 
+static void show_vertex(const vertex_bake *b, const rsv_bake_mesh *mesh, size_t n, uint32_t index)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    const rsv_bake_receiver *r = &mesh->receiver[n];
+    uint32_t face = b->s->elements->face_of[r->back][r->triangle];
+    const rsv_surface_place place = { r->triangle, r->u, r->v, r->back, 0 };
+    const rsv_bake_value value = { .at = { index, 0 },
+        .irradiance = mesh->light[n],
+        .place = &place,
+        .place_count = 1,
+        .translucent = face != RSV_NONE && rsv_is_translucent(b->s, face) };
+    visitor->take(visitor->user, &value);
+}
+
+/// Shows the visitor the vertices that triangles use.
+static void show_vertices(const vertex_bake *b)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    uint32_t size[2] = { 0, 1 }, at[2] = { 0, 0 };
+    for (size_t k = 0; k < b->parts.count; k++)
+        size[0] += (uint32_t)b->mesh[k].vertex_count;
+    for (size_t k = 0; k < b->parts.count; k++)
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, at[0]++)
+            if (visitor->wants(visitor->user, at, size)) show_vertex(b, &b->mesh[k], n, at[0]);
+}
+
 static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
 {
     report->light_scale = scale;
@@ -238,6 +264,7 @@ static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_
     RSV_TRY(tessellate(&b));
     float scale = find_scale(&b);
     fill_report(&b, scale, report);
+    if (desc->visitor) show_vertices(&b);
     if (b.desc->dry_run) goto cleanup;
     RSV_TRY(write_light(&b, scale));
     if (b.desc->basis || b.desc->operator_file)
