@@ -37,6 +37,9 @@ typedef struct rsv_bake_desc {
     /// Vertices: surfaces are tessellated, down to the elements, until light between vertices is off by no more than
     /// this share of itself; 0.002..1, default 0.02.
     float tolerance;
+    /// Error of the median texel or vertex that shadow rays go for, relative; that of the 99th percentile is about five times as
+    /// large. 0.001..0.5, default 0.01
+    float error;
     bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
     float density; ///< lightmaps: texels per metre; 0 = as many as fit
     uint32_t

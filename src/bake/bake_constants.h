@@ -64,6 +64,25 @@
 /// would take minutes otherwise.
 #define LARGEST_KIND 64
 
+// ---- Shadow rays and noise (bake_map_light.c, bake_filter.c) ------------------------------------------
+
+/// Shadow rays of each half of a texel at first, and texels to each side that say whether they will do.
+#define PILOT_SAMPLES 2
+#define PILOT_REACH 2
+/// Of each half where they will not.
+#define LEAST_SAMPLES 8
+#define MOST_LIGHT_SAMPLES 256
+/// Variance of a mean of stratified samples over that of independent ones.
+#define STRATIFIED 0.16f
+/// By how much the filter lowers the deviation of a texel.
+#define FILTER_GAIN 2.5f
+/// Texels to each side over which variances are means, which are compared, and which are mixed.
+#define VARIANCE_REACH 1
+#define PATCH_REACH 1
+#define FILTER_REACH 3
+/// Larger mixes what differs more.
+#define FILTER_STRENGTH 0.6f
+
 // ---- Texels and seams (bake_texels.c, bake_seam.c, bake_stitch.c, target_lightmap.c) -----------------
 
 /// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a

@@ -3,8 +3,8 @@
 #include "bake_basis.h"
 #include "bake_constants.h"
 #include "bake_lightmap_file.h"
+#include "bake_map_light.h"
 #include "bake_operator.h"
-#include "bake_patch.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
 #include "bake_seam.h"
@@ -34,6 +34,22 @@ static rsv_status find_scale(rsv_lightmap_bake *b)
     return RSV_OK;
 }
 
+static rsv_bake_sheet sheet_of(const rsv_lightmap_bake *b)
+{
+    return (rsv_bake_sheet){ &b->layout.charts, b->parts.part, &b->layout.map, b->layout.density };
+}
+
+/// @param light out, [texels]
+static rsv_status estimate_map(
+    const rsv_lightmap_bake *b, const rsv_light_view *solution, rsv_rgb *light)
+{
+    const rsv_bake_sheet sheet = sheet_of(b);
+    const rsv_bake_map_desc desc = { .error = b->desc->error,
+        .dark = DARK * (float)b->s->report.mean_irradiance,
+        .seed = b->s->desc.seed };
+    return rsv_bake_light_map(solution, &sheet, &desc, light);
+}
+
 /// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
 static rsv_status read_map(
     const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
@@ -42,18 +58,21 @@ static rsv_status read_map(
     rsv_bake_map map = b->layout.map;
     double largest, all = rsv_bake_map_sum(&map);
     map.light = value;
-    rsv_bake_map_light(light, &map);
+    rsv_status status = estimate_map(b, light, value);
+    if (status != RSV_OK) return status;
     double share = all > 0 ? rsv_bake_map_sum(&map) / all : 0;
     return rsv_bake_close_seams(
         light, &b->layout, share * b->s->report.mean_irradiance, &map, NULL, &largest);
 }
 
-static rsv_status write_basis(const rsv_lightmap_bake *b, const char *output, size_t *lights)
+/// @param b its map becomes the sum of the lights
+static rsv_status write_basis(rsv_lightmap_bake *b, const char *output, size_t *lights)
 {
     size_t texels = (size_t)b->layout.map.width * b->layout.map.height;
     rsv_bake_reader reader = rsv_bake_surface_reader("texel", NULL, texels);
     reader.receiver = b;
     reader.read = read_map;
+    reader.sum = b->layout.map.light;
     return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
 }
 
@@ -62,11 +81,6 @@ static rsv_status write_operator(const rsv_lightmap_bake *b, const char *output)
     const rsv_bake_map *map = &b->layout.map;
     return rsv_bake_write_operator(
         b->s, "texel", map->receiver, (size_t)map->width * map->height, output);
-}
-
-static rsv_bake_sheet sheet_of(const rsv_lightmap_bake *b)
-{
-    return (rsv_bake_sheet){ &b->layout.charts, b->parts.part, &b->layout.map, b->layout.density };
 }
 
 static bool is_translucent(const rsv_light_view *s, const rsv_surface_place *place)
@@ -127,24 +141,35 @@ static void close_document(rsv_lightmap_bake *b)
     rsv_bake_document_close(&b->document);
 }
 
-/// Lights the map and closes its seams; charts where that fails get more texels.
-static rsv_status light_map(rsv_lightmap_bake *b)
+/// Gives charts whose seams do not close more texels. Light that elements store will do to find them.
+static rsv_status find_detail(rsv_lightmap_bake *b)
 {
     rsv_status status = RSV_OK;
     size_t charts = b->layout.charts.count;
     uint8_t *open = rsv_alloc(b->s->context, charts, 1);
     bool again = true;
     if (!open) return RSV_ERROR_MEMORY;
-    for (int round = 0; again; round++) {
+    for (int round = 0; again && round < MOST_REFINEMENTS; round++) {
         memset(open, 0, charts);
         rsv_bake_map_light(b->s, &b->layout.map);
         RSV_TRY(rsv_bake_close_seams(b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map,
             open, &b->largest_seam));
-        again = round < MOST_REFINEMENTS;
-        if (again) RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
+        RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
     }
 cleanup:
     rsv_free(b->s->context, open);
+    return status;
+}
+
+/// Lights the map and closes its seams.
+static rsv_status light_map(rsv_lightmap_bake *b)
+{
+    rsv_status status;
+    RSV_TRY(find_detail(b));
+    RSV_TRY(estimate_map(b, b->s, b->layout.map.light));
+    RSV_TRY(rsv_bake_close_seams(
+        b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map, NULL, &b->largest_seam));
+cleanup:
     return status;
 }
 
@@ -168,11 +193,11 @@ static rsv_status write_lightmap(const rsv_light_view *solution, const rsv_bake_
     RSV_TRY(open_document(&b));
     RSV_TRY(light_map(&b));
     warn_if_coarse(&b);
+    if (b.desc->basis && !b.desc->dry_run) RSV_TRY(write_basis(&b, output, &report->lights));
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
     if (desc->visitor) show_texels(&b);
     if (b.desc->dry_run) goto cleanup;
-    if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
     if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));
     RSV_TRY(rsv_lightmap_bake_write(&b, output));
 cleanup:
