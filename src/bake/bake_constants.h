@@ -83,6 +83,17 @@
 /// Larger mixes what differs more.
 #define FILTER_STRENGTH 0.6f
 
+// ---- Noise of stored light (bake_smooth.c) ------------------------------------------------------------
+
+/// Cells between a node and the others that a plane is fitted to, and how many nodes these may be.
+#define FIT_RINGS 4
+#define MOST_AROUND 64
+/// Departures that tell the deviation of noise, and what their median is to be multiplied by, for normal noise.
+#define LEAST_DEPARTURES 6
+#define DEVIATION_BY_MEDIAN 1.4826f
+/// Deviations to each side in a confidence interval.
+#define CONFIDENCE 1.5f
+
 // ---- Texels and seams (bake_texels.c, bake_seam.c, bake_stitch.c, target_lightmap.c) -----------------
 
 /// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a

@@ -4,6 +4,7 @@
 #include "../core/vec.h"
 #include "bake_constants.h"
 #include "bake_filter.h"
+#include "bake_smooth.h"
 
 /// What few shadow rays of a texel found.
 typedef struct pilot {
@@ -155,7 +156,10 @@ static void fill(const map_light *q, rsv_rgb *light)
 
 static rsv_status estimate(map_light *q, rsv_rgb *light)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status;
+    rsv_bake_smooth smooth;
+    RSV_TRY(rsv_bake_smooth_create(q->s, &smooth));
+    q->s = &smooth.view;
     take_pilots(q);
     RSV_TRY(send_rays(q));
     if (rsv_lights_any_sampled(q->s->lights)) {
@@ -169,6 +173,7 @@ static rsv_status estimate(map_light *q, rsv_rgb *light)
             rgb_positive(rgb_mad(q->light[k], 0.5f, rgb_add(q->half[0][k], q->half[1][k])));
     fill(q, light);
 cleanup:
+    rsv_bake_smooth_destroy(&smooth);
     return status;
 }
 
