@@ -68,6 +68,7 @@
 
 /// Shadow rays of each half of a texel at first, and texels to each side that say whether they will do.
 #define PILOT_SAMPLES 2
+#define LATTICE_PILOT_SAMPLES 4 ///< many triangles have three points alone
 #define PILOT_REACH 2
 /// Of each half where they will not.
 #define LEAST_SAMPLES 8
@@ -134,6 +135,8 @@
 
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
+/// Error of light that decides where triangles are divided, as a share of the tolerance: noise must not divide any.
+#define QUIET 0.25f
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 

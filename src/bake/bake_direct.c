@@ -162,3 +162,25 @@ rsv_bake_estimate rsv_bake_estimate_patch(
     e.punctual = punctual_light(&lit, rsv_hash2(seed, 3));
     return e;
 }
+
+/// Standard error of the mean of the halves; luminance.
+static float error_of(const rsv_bake_estimate *e, uint32_t samples)
+{
+    float by_shadow = e->open * e->open * f_max(e->seen * (1 - e->seen), 0);
+    return sqrtf(STRATIFIED * (by_shadow + e->choice) / (2 * (float)samples));
+}
+
+rsv_rgb rsv_bake_light_patch(
+    const rsv_light_view *s, const rsv_bake_patch *patch, float error, uint32_t seed)
+{
+    uint32_t samples = LEAST_SAMPLES;
+    rsv_bake_estimate e = rsv_bake_estimate_patch(s, patch, samples, rsv_hash2(seed, 0));
+    for (uint32_t round = 1; samples < MOST_LIGHT_SAMPLES; round++) {
+        float off = error_of(&e, samples) / error;
+        if (off <= 1) break;
+        float wanted = f_min((float)samples * off * off, MOST_LIGHT_SAMPLES);
+        samples = (uint32_t)f_max(wanted, 2 * (float)samples);
+        e = rsv_bake_estimate_patch(s, patch, samples, rsv_hash2(seed, round));
+    }
+    return rgb_positive(rsv_bake_estimate_total(&e));
+}

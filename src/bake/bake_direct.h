@@ -25,6 +25,11 @@ typedef struct rsv_bake_estimate {
 rsv_bake_estimate rsv_bake_estimate_patch(
     const rsv_light_view *light, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed);
 
+/// The same with as many shadow rays as the wanted error takes, up to a limit.
+/// @param error wanted, W/m2
+rsv_rgb rsv_bake_light_patch(
+    const rsv_light_view *light, const rsv_bake_patch *patch, float error, uint32_t seed);
+
 /// What elements store of the light at a place, without what shadow rays find; of translucent surfaces, all.
 rsv_rgb rsv_bake_stored(const rsv_light_view *light, const rsv_surface_place *place);
 

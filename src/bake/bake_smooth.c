@@ -1,6 +1,7 @@
 #include "bake_smooth.h"
 
 #include "../core/vec.h"
+#include "../elements/elements.h"
 #include "bake_constants.h"
 
 #include <stdlib.h>

@@ -253,8 +253,14 @@ rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_pa
     const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh)
 {
     *mesh = (rsv_bake_mesh){ .context = solution->context };
-    tessellator q = { .cells = { .s = solution, .part = part, .desc = desc }, .mesh = mesh };
-    rsv_status status = tessellate(&q);
+    rsv_bake_lattices lattices;
+    tessellator q = { .cells = { .s = solution, .part = part, .lattices = &lattices, .desc = desc },
+        .mesh = mesh };
+    rsv_status status =
+        rsv_bake_lattices_create(solution, part, desc->finest, desc->divide, &lattices);
+    if (status == RSV_OK) status = rsv_bake_lattices_light(&lattices, &desc->accuracy);
+    if (status == RSV_OK) status = tessellate(&q);
+    rsv_bake_lattices_destroy(&lattices);
     rsv_free(solution->context, q.vertex_place);
     rsv_free(solution->context, q.first_vertex);
     rsv_free(solution->context, q.cells.split);

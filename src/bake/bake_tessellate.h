@@ -7,8 +7,8 @@
 #ifndef RSV_BAKE_TESSELLATE_H
 #define RSV_BAKE_TESSELLATE_H
 
+#include "bake_grid_light.h"
 #include "bake_part.h"
-#include "bake_receiver.h"
 
 typedef struct rsv_bake_mesh {
     rsv_context *context;
@@ -28,8 +28,8 @@ typedef struct rsv_bake_mesh {
 typedef struct rsv_bake_tessellation {
     float finest;    ///< metres: cells are not divided below
     float tolerance; ///< relative error of light in the middle of edges
-    float dark;      ///< W/m2 beside which errors are measured
-    bool divide;     ///< false = only vertices may be doubled
+    rsv_bake_accuracy accuracy;
+    bool divide; ///< false = only vertices may be doubled
 } rsv_bake_tessellation;
 
 rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_part *part,

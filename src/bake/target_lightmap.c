@@ -44,10 +44,10 @@ static rsv_status estimate_map(
     const rsv_lightmap_bake *b, const rsv_light_view *solution, rsv_rgb *light)
 {
     const rsv_bake_sheet sheet = sheet_of(b);
-    const rsv_bake_map_desc desc = { .error = b->desc->error,
+    const rsv_bake_accuracy accuracy = { .error = b->desc->error,
         .dark = DARK * (float)b->s->report.mean_irradiance,
         .seed = b->s->desc.seed };
-    return rsv_bake_light_map(solution, &sheet, &desc, light);
+    return rsv_bake_light_map(solution, &sheet, &accuracy, light);
 }
 
 /// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
