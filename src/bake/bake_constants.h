@@ -68,11 +68,19 @@
 
 /// Shadow rays of each half of a texel at first, and texels to each side that say whether they will do.
 #define PILOT_SAMPLES 2
-#define LATTICE_PILOT_SAMPLES 4 ///< many triangles have three points alone
-#define PILOT_REACH 2
+#define LATTICE_PILOT_SAMPLES 3 ///< many triangles have three points alone
+#define PILOT_REACH 3
+/// Largest change of light between patches that a mean may stand for what is between them: it is off by about an eighth of its
+/// square.
+#define MOST_SLOPE 0.25f
 /// Of each half where they will not.
 #define LEAST_SAMPLES 8
 #define MOST_LIGHT_SAMPLES 256
+/// Places of a patch that sources are weighed at, at most.
+#define WEIGHED_PLACES 8
+/// Emitters nearer than so many times their radius are weighed exactly; others as if they were points, which is off by
+/// less than the square of one over this.
+#define NEAR_EMITTER 8
 /// Variance of a mean of stratified samples over that of independent ones.
 #define STRATIFIED 0.16f
 /// By how much the filter lowers the deviation of a texel.

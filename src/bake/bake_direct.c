@@ -8,8 +8,9 @@
 /// A patch as sources light it. Not to be copied.
 typedef struct lit_patch {
     const rsv_light_view *s;
+    const rsv_bake_sources *sources;
     rsv_receiver at[RSV_BAKE_PLACES];
-    rsv_local_lights local[RSV_BAKE_PLACES];
+    rsv_bake_weights weights[WEIGHED_PLACES];
     uint32_t count;
     rsv_medium medium;
     rsv_surface_entry entry;
@@ -31,6 +32,14 @@ rsv_rgb rsv_bake_stored(const rsv_light_view *s, const rsv_surface_place *place)
         return rsv_bake_shown(s, place->triangle, place->back, place->u, place->v);
     return rgb_add(rsv_light_view_direct(s, face, place->u, place->v, true),
         rsv_elements_interpolate(s->elements, s->indirect, face, place->u, place->v));
+}
+
+rsv_rgb rsv_bake_stored_mean(const rsv_light_view *s, const rsv_bake_patch *patch)
+{
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < patch->count; k++)
+        sum = rgb_mad(sum, 1 / (float)patch->count, rsv_bake_stored(s, &patch->place[k]));
+    return sum;
 }
 
 static void set_up(lit_patch *lit, const rsv_light_view *s, const rsv_bake_patch *patch)
@@ -62,9 +71,9 @@ static void weigh_sources(lit_patch *lit, uint32_t count)
     lit->unshadowed = rgb_gray(0);
     lit->by_tree = false;
     for (uint32_t k = 0; k < count; k++) {
-        rsv_receiver_weigh(&lit->at[k], lit->s->lights, &lit->local[k]);
-        lit->unshadowed = rgb_mad(lit->unshadowed, 1 / (float)count, lit->local[k].unshadowed);
-        lit->by_tree = lit->by_tree || lit->local[k].tree_share > 0;
+        rsv_bake_weigh(lit->sources, &lit->at[k], &lit->weights[k]);
+        lit->unshadowed = rgb_mad(lit->unshadowed, 1 / (float)count, lit->weights[k].unshadowed);
+        lit->by_tree = lit->by_tree || lit->weights[k].local.tree_share > 0;
     }
 }
 
@@ -83,7 +92,8 @@ static void sample_sources(
             uint32_t at = (index + (k % 2) * (places / 2)) % places;
             float u[3] = { rsv_sobol_1d(index, rsv_hash2(stream, 1)), 0, 0 };
             rsv_sobol_2d(index, rsv_hash2(stream, 2), &u[1], &u[2]);
-            rsv_next_event_draw(&lit->at[at], &lit->entrance, &lit->local[at], u, &event[k]);
+            rsv_bake_draw(
+                lit->sources, &lit->weights[at], &lit->at[at], &lit->entrance, u, &event[k]);
         }
         rsv_next_events_passed(lit->s->tracer, event, lanes, passed);
         for (uint32_t k = 0; k < lanes; k++)
@@ -112,7 +122,9 @@ static rsv_rgb half_of(
 
 static void estimate_sources(lit_patch *lit, uint32_t samples, uint32_t seed, rsv_bake_estimate *e)
 {
-    uint32_t places = lit->count < 2 * samples ? lit->count : 2 * samples;
+    uint32_t places = lit->count < samples ? lit->count : samples;
+    if (places > 2 && 4 * places > samples) places = samples > 8 ? samples / 4 : 2;
+    if (places > WEIGHED_PLACES) places = WEIGHED_PLACES;
     weigh_sources(lit, places);
     if (!lit->by_tree && rgb_is_black(lit->unshadowed)) return;
     rsv_event_sums half[2];
@@ -148,15 +160,15 @@ static rsv_rgb punctual_light(const lit_patch *lit, uint32_t seed)
 }
 
 rsv_bake_estimate rsv_bake_estimate_patch(
-    const rsv_light_view *s, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed)
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed)
 {
-    rsv_bake_estimate e = { .stored = rgb_gray(0) };
-    for (uint32_t k = 0; k < patch->count; k++)
-        e.stored = rgb_mad(e.stored, 1 / (float)patch->count, rsv_bake_stored(s, &patch->place[k]));
+    const rsv_light_view *s = lamps->light;
+    rsv_bake_estimate e = { .stored = rsv_bake_stored_mean(s, patch) };
     if (patch->count == 0 || !rsv_bake_is_sampled(s, &patch->place[0])) return e;
     bool draws = rsv_lights_any_sampled(s->lights);
     if (!draws && rsv_punctual_count(s->lights) == 0) return e;
     lit_patch lit;
+    lit.sources = &lamps->sources;
     set_up(&lit, s, patch);
     if (draws) estimate_sources(&lit, samples, seed, &e);
     e.punctual = punctual_light(&lit, rsv_hash2(seed, 3));
@@ -171,16 +183,16 @@ static float error_of(const rsv_bake_estimate *e, uint32_t samples)
 }
 
 rsv_rgb rsv_bake_light_patch(
-    const rsv_light_view *s, const rsv_bake_patch *patch, float error, uint32_t seed)
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, float error, uint32_t seed)
 {
     uint32_t samples = LEAST_SAMPLES;
-    rsv_bake_estimate e = rsv_bake_estimate_patch(s, patch, samples, rsv_hash2(seed, 0));
+    rsv_bake_estimate e = rsv_bake_estimate_patch(lamps, patch, samples, rsv_hash2(seed, 0));
     for (uint32_t round = 1; samples < MOST_LIGHT_SAMPLES; round++) {
         float off = error_of(&e, samples) / error;
         if (off <= 1) break;
         float wanted = f_min((float)samples * off * off, MOST_LIGHT_SAMPLES);
         samples = (uint32_t)f_max(wanted, 2 * (float)samples);
-        e = rsv_bake_estimate_patch(s, patch, samples, rsv_hash2(seed, round));
+        e = rsv_bake_estimate_patch(lamps, patch, samples, rsv_hash2(seed, round));
     }
     return rgb_positive(rsv_bake_estimate_total(&e));
 }

@@ -6,8 +6,8 @@
 #ifndef RSV_BAKE_DIRECT_H
 #define RSV_BAKE_DIRECT_H
 
-#include "../receiver/next_event.h"
 #include "bake_patch.h"
+#include "bake_sources.h"
 
 /// What shadow rays found.
 typedef struct rsv_bake_estimate {
@@ -20,18 +20,27 @@ typedef struct rsv_bake_estimate {
     float choice;
 } rsv_bake_estimate;
 
+/// A light, and the sources that its shadow rays are sent to.
+typedef struct rsv_bake_lamps {
+    const rsv_light_view *light;
+    rsv_bake_sources sources;
+} rsv_bake_lamps;
+
 /// Light on a patch.
 /// @param samples shadow rays of each half @param seed of their random numbers
 rsv_bake_estimate rsv_bake_estimate_patch(
-    const rsv_light_view *light, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed);
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed);
 
 /// The same with as many shadow rays as the wanted error takes, up to a limit.
 /// @param error wanted, W/m2
 rsv_rgb rsv_bake_light_patch(
-    const rsv_light_view *light, const rsv_bake_patch *patch, float error, uint32_t seed);
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, float error, uint32_t seed);
 
 /// What elements store of the light at a place, without what shadow rays find; of translucent surfaces, all.
 rsv_rgb rsv_bake_stored(const rsv_light_view *light, const rsv_surface_place *place);
+
+/// The mean of that over a patch.
+rsv_rgb rsv_bake_stored_mean(const rsv_light_view *light, const rsv_bake_patch *patch);
 
 /// Whether shadow rays have anything to find there: not on translucent surfaces, whose light is spread below them.
 bool rsv_bake_is_sampled(const rsv_light_view *light, const rsv_surface_place *place);

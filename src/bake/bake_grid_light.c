@@ -9,15 +9,17 @@
 typedef struct pilot {
     float open, seen, choice; ///< of rsv_bake_estimate
     float light;              ///< luminance of all
+    bool known;
 } pilot;
 
 typedef struct grid_light {
     const rsv_light_view *s;
+    rsv_bake_lamps lamps; ///< of that
     const rsv_bake_grid *grid;
     const rsv_bake_accuracy *accuracy;
     size_t count;
     pilot *pilot;     ///< [count]
-    rsv_rgb *half[2]; ///< [count] of what is sampled
+    rsv_rgb *half[2]; ///< [count] of all that shadow rays find
     rsv_rgb *light;   ///< [count] of the rest
 } grid_light;
 
@@ -26,38 +28,46 @@ static rsv_bake_estimate look(grid_light *q, size_t k, uint32_t samples, uint32_
 {
     rsv_bake_patch patch;
     uint32_t number = q->grid->patch(q->grid->user, k, &patch);
-    rsv_bake_estimate e =
-        rsv_bake_estimate_patch(q->s, &patch, samples, rsv_hash3(q->accuracy->seed, number, round));
-    q->light[k] = q->grid->sampled_only ? e.punctual : rgb_add(e.stored, e.punctual);
-    q->half[0][k] = e.half[0];
-    q->half[1][k] = e.half[1];
+    rsv_bake_estimate e = rsv_bake_estimate_patch(
+        &q->lamps, &patch, samples, rsv_hash3(q->accuracy->seed, number, round));
+    q->light[k] = q->grid->sampled_only ? rgb_gray(0) : e.stored;
+    q->half[0][k] = rgb_add(e.half[0], e.punctual);
+    q->half[1][k] = rgb_add(e.half[1], e.punctual);
     return e;
 }
 
-static void take_pilots(grid_light *q)
+// ---- patches between others -----------------------------------------------------------------------
+
+/// Patches beside one in even columns and rows, which may stand for it; 0 if it stands for itself.
+static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
-    for (size_t k = 0; k < q->count; k++) {
-        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(q->s->context)) continue;
-        rsv_bake_estimate e = look(q, k, q->grid->pilot_samples, 0);
-        q->pilot[k] =
-            (pilot){ e.open, e.seen, e.choice, rgb_luminance(rsv_bake_estimate_total(&e)) };
-    }
+    const rsv_bake_grid *grid = q->grid;
+    uint32_t x = (uint32_t)(at % grid->width), y = (uint32_t)(at / grid->width), count = 0;
+    if (x % 2 == 0 && y % 2 == 0) return 0;
+    for (uint32_t b = y - y % 2; b <= y + y % 2; b += 2)
+        for (uint32_t a = x - x % 2; a <= x + x % 2; a += 2) {
+            size_t n = (size_t)b * grid->width + a;
+            if (a >= grid->width || b >= grid->height || grid->group[n] != grid->group[at])
+                return 0;
+            lead[count++] = n;
+        }
+    return count;
 }
 
-/// Means over a patch and its neighbours: one that asked itself alone would stop where its few rays happen to agree.
+/// Means over the patches around that pilots were sent from: one that asked itself alone would stop where its few rays happen
+/// to agree.
 static pilot look_around(const grid_light *q, size_t at)
 {
     const rsv_bake_grid *grid = q->grid;
     long x = (long)(at % grid->width), y = (long)(at / grid->width);
-    pilot mean = { 0, 0, 0, 0 };
+    pilot mean = { 0, 0, 0, 0, true };
     float count = 0;
     for (long b = y - PILOT_REACH; b <= y + PILOT_REACH; b++)
         for (long a = x - PILOT_REACH; a <= x + PILOT_REACH; a++) {
             if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
             size_t n = (size_t)b * grid->width + (size_t)a;
-            if (grid->group[n] != grid->group[at]) continue;
             const pilot *p = &q->pilot[n];
+            if (grid->group[n] != grid->group[at] || !p->known) continue;
             mean.open += p->open;
             mean.seen += p->open * p->seen;
             mean.choice += p->choice;
@@ -71,27 +81,78 @@ static pilot look_around(const grid_light *q, size_t at)
     return mean;
 }
 
-/// Shadow rays of each half that the wanted error takes; 0 = what is there will do.
+/// Whether sources are seen in part.
+static bool is_mixed(const pilot *p) { return p->seen > 0 && p->seen < 1; }
+
+/// Takes the mean of the patches beside a patch, if no shadow ends there and light does not change quickly.
+static bool interpolate(grid_light *q, size_t at, const size_t *lead, uint32_t count)
+{
+    const pilot around = look_around(q, at);
+    float low = INFINITY, high = 0;
+    rsv_rgb mean[2] = { rgb_gray(0), rgb_gray(0) };
+    if (is_mixed(&around)) return false;
+    for (uint32_t k = 0; k < count; k++) {
+        float luminance = 0;
+        for (int h = 0; h < 2; h++) {
+            mean[h] = rgb_mad(mean[h], 1 / (float)count, q->half[h][lead[k]]);
+            luminance += 0.5f * rgb_luminance(q->half[h][lead[k]]);
+        }
+        low = f_min(low, luminance);
+        high = f_max(high, luminance);
+    }
+    if (high - low > MOST_SLOPE * f_max(around.light, q->accuracy->dark)) return false;
+    q->half[0][at] = mean[0];
+    q->half[1][at] = mean[1];
+    if (q->grid->sampled_only) return true;
+    rsv_bake_patch patch;
+    q->grid->patch(q->grid->user, at, &patch);
+    q->light[at] = rsv_bake_stored_mean(q->s, &patch);
+    return true;
+}
+
+// ---- shadow rays ----------------------------------------------------------------------------------
+
+static void take_pilots(grid_light *q)
+{
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
+    for (size_t k = 0; k < q->count; k++) {
+        size_t lead[4];
+        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(q->s->context) ||
+            find_leads(q, k, lead) > 0)
+            continue;
+        rsv_bake_estimate e = look(q, k, q->grid->pilot_samples, 0);
+        q->pilot[k] =
+            (pilot){ e.open, e.seen, e.choice, rgb_luminance(rsv_bake_estimate_total(&e)), true };
+    }
+}
+
+/// Shadow rays of each half that the wanted error takes; 0 = those of the pilot will do.
 static uint32_t wanted_samples(const grid_light *q, size_t at)
 {
-    pilot p = look_around(q, at);
+    const pilot p = look_around(q, at);
     float by_shadow = p.open * p.open * f_max(p.seen * (1 - p.seen), 0);
     float variance = STRATIFIED * (by_shadow + p.choice);
     if (!(variance > 0)) return 0;
     float deviation = FILTER_GAIN * q->accuracy->error * f_max(p.light, q->accuracy->dark);
     float samples = 0.5f * variance / (deviation * deviation);
+    if (!is_mixed(&p) && samples <= (float)q->grid->pilot_samples) return 0;
     return (uint32_t)f_min(f_max(samples, LEAST_SAMPLES), MOST_LIGHT_SAMPLES);
 }
 
-static rsv_status send_rays(grid_light *q)
+/// Of patches that stand for themselves, or of those between them.
+static rsv_status send_rays(grid_light *q, bool between)
 {
     rsv_context *context = q->s->context;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
     for (size_t k = 0; k < q->count; k++) {
+        size_t lead[4];
         if (rsv_thread_index() == 0 && k % 64 == 0)
             rsv_progress(context, "bake", (double)k / (double)q->count);
         if (q->grid->group[k] == RSV_NONE || rsv_cancelled(context)) continue;
+        uint32_t leads = find_leads(q, k, lead);
+        if ((leads > 0) != between || (between && interpolate(q, k, lead, leads))) continue;
         uint32_t samples = wanted_samples(q, k);
+        if (samples == 0 && between) samples = q->grid->pilot_samples;
         if (samples > 0) look(q, k, samples, 1); // independent of the pilot, which chose how many
     }
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
@@ -104,7 +165,8 @@ static rsv_status estimate(grid_light *q)
     const rsv_bake_noisy_map noisy = { grid->width, grid->height, grid->group,
         { q->half[0], q->half[1] } };
     take_pilots(q);
-    RSV_TRY(send_rays(q));
+    RSV_TRY(send_rays(q, false));
+    RSV_TRY(send_rays(q, true));
     if (rsv_lights_any_sampled(q->s->lights)) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
     for (size_t k = 0; k < q->count; k++)
         q->light[k] =
@@ -117,7 +179,7 @@ rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *gri
     const rsv_bake_accuracy *accuracy, rsv_rgb *light)
 {
     rsv_context *context = s->context;
-    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_status status;
     grid_light q = { .s = s,
         .grid = grid,
         .accuracy = accuracy,
@@ -128,7 +190,11 @@ rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *gri
         q.half[h] = rsv_alloc(context, q.count, sizeof *q.half[h]);
     for (size_t k = 0; k < q.count; k++)
         light[k] = rgb_gray(0);
-    if (q.pilot && q.half[0] && q.half[1]) status = estimate(&q);
+    q.lamps.light = s;
+    RSV_TRY(rsv_bake_sources_create(context, s->lights, &q.lamps.sources));
+    status = q.pilot && q.half[0] && q.half[1] ? estimate(&q) : RSV_ERROR_MEMORY;
+cleanup:
+    rsv_bake_sources_destroy(&q.lamps.sources);
     rsv_free(context, q.pilot);
     rsv_free(context, q.half[0]);
     rsv_free(context, q.half[1]);

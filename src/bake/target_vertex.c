@@ -237,7 +237,10 @@ static rsv_status read_vertices(
     const vertex_bake *b = reader->receiver;
     float error = b->desc->error * dark_of(b->s);
     rsv_bake_smooth smooth;
+    rsv_bake_lamps lamps = { .light = &smooth.view };
     rsv_status status = rsv_bake_smooth_create(light, &smooth);
+    if (status == RSV_OK)
+        status = rsv_bake_sources_create(light->context, light->lights, &lamps.sources);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(light->context))
     for (size_t n = 0; n < b->vertex_count; n++) {
         rsv_bake_patch patch;
@@ -247,8 +250,9 @@ static rsv_status read_vertices(
         if (!shown) continue;
         rsv_bake_vertex_patch(&smooth.view, &b->receiver[n], b->finest, &patch);
         value[n] = rsv_bake_light_patch(
-            &smooth.view, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
+            &lamps, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
     }
+    rsv_bake_sources_destroy(&lamps.sources);
     rsv_bake_smooth_destroy(&smooth);
     if (status == RSV_OK && rsv_cancelled(light->context)) status = RSV_ERROR_CANCELLED;
     return status;
