@@ -6,6 +6,8 @@
 
 /// Light below this share of the mean is dark: nobody sees relative errors there.
 #define DARK 0.05
+/// Share of that below which no light comes to a place.
+#define BURIED 0.01
 /// An error that is seen.
 #define OFF 0.05
 #define NOISE_DEVIATIONS 3
@@ -150,6 +152,11 @@ static double percentile(const double *sorted, size_t count, double share)
     return count ? sorted[(size_t)(share * (double)(count - 1) + 0.5)] : NAN;
 }
 
+static bool is_buried(const cli_baked_value *value, double dark)
+{
+    return value->reference < BURIED * dark;
+}
+
 static rsv_status judge_random(const cli_baked_values *v, double dark, cli_bake_judgement *j)
 {
     double *error = malloc((v->count + 1) * sizeof *error),
@@ -158,6 +165,10 @@ static rsv_status judge_random(const cli_baked_values *v, double dark, cli_bake_
     for (size_t k = 0; error && noise && k < v->count; k++) {
         const cli_baked_value *value = &v->value[k];
         if (value->in_window) continue;
+        if (is_buried(value, dark)) {
+            j->buried++;
+            continue;
+        }
         double least = fmax(value->reference, dark);
         baked += luminance(value->light);
         traced += value->reference;
@@ -234,7 +245,8 @@ static void judge_windows(const cli_baked_values *v, double dark, cli_bake_judge
         bool begins = first->in_window;
         for (size_t n = 0; n < v->count && begins; n++) {
             const cli_baked_value *value = &v->value[n];
-            if (!value->in_window || value->at[0] / SIDE != first->at[0] / SIDE ||
+            if (!value->in_window || is_buried(value, dark) ||
+                value->at[0] / SIDE != first->at[0] / SIDE ||
                 value->at[1] / SIDE != first->at[1] / SIDE)
                 continue;
             begins = n >= k; // once for each window

@@ -27,7 +27,9 @@ typedef struct cli_baked_values {
 
 /// What a judgement says of a bake. Errors are relative to the light there, or to a twentieth of the mean if that is more.
 typedef struct cli_bake_judgement {
-    size_t values;
+    size_t values; ///< at random
+    size_t
+        buried; ///< of them, those that no light comes to, as within walls: nobody sees them, and they are not judged
     double median, ninety, ninety_nine; ///< percentiles of the errors of values at random
     double noise;      ///< of the reference: the median error that it would find in a perfect bake
     double mean_ratio; ///< of all light, as baked, over path-traced

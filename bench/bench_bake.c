@@ -36,9 +36,10 @@ static cJSON *describe(const measurement *m)
     } numbers[] = { { "solve_cpu_seconds", m->solve.cpu_seconds },
         { "bake_cpu_seconds", m->bake.cpu_seconds }, { "bake_seconds", m->bake.seconds },
         { "values", (double)j->values }, { "median_error", j->median }, { "error_90", j->ninety },
-        { "error_99", j->ninety_nine }, { "reference_noise", j->noise },
-        { "mean_ratio", j->mean_ratio }, { "largest_blotch", (double)j->blotch },
-        { "largest_seam", m->report.largest_seam }, { "bytes", m->bytes } };
+        { "error_99", j->ninety_nine }, { "buried", (double)j->buried },
+        { "reference_noise", j->noise }, { "mean_ratio", j->mean_ratio },
+        { "largest_blotch", (double)j->blotch }, { "largest_seam", m->report.largest_seam },
+        { "bytes", m->bytes } };
     cJSON *one = cJSON_CreateObject();
     cJSON_AddStringToObject(one, "to", m->target);
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)

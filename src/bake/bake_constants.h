@@ -144,7 +144,7 @@
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
 /// Error of light that decides where triangles are divided, as a share of the tolerance: noise must not divide any.
-#define QUIET 0.25f
+#define QUIET 0.5f
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 

@@ -91,7 +91,9 @@ static rsv_status run(rsv_context *context, const filter *f, rsv_rgb *filtered[2
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
     for (size_t k = 0; k < texels; k++) {
         rsv_rgb result[2] = { map->half[0][k], map->half[1][k] };
-        bool noisy = map->group[k] != RSV_NONE && f->variance[k] > 0 && !rsv_cancelled(context);
+        // where the halves agree all of a source is seen, or nothing: there is no noise to be filtered
+        bool noisy = map->group[k] != RSV_NONE && f->luminance[0][k] != f->luminance[1][k] &&
+                     !rsv_cancelled(context);
         if (noisy) filter_texel(f, k, result);
         filtered[0][k] = result[0];
         filtered[1][k] = result[1];

@@ -83,8 +83,8 @@ static void weigh_emitters(const rsv_bake_sources *q, const rsv_receiver *r, rsv
                 rsv_projected_solid_angle(&q->lights->emitter[q->lights->sampled[k]], p, n);
         rsv_rgb light = rgb_scale(rgb(q->r[k], q->g[k], q->b[k]), w->weight[k]);
         sum = rgb_add(sum, light);
-        w->weight[k] = rgb_luminance(light);
-        w->sum += w->weight[k];
+        w->sum += rgb_luminance(light);
+        w->weight[k] = w->sum;
     }
     w->unshadowed = sum;
 }
@@ -112,17 +112,19 @@ void rsv_bake_weigh(const rsv_bake_sources *q, const rsv_receiver *receiver, rsv
         w->local.probability[k] *= (1 - w->emitters) / sky;
 }
 
-/// The emitter in whose share of the sum a number falls; the last that has one also takes what rounding left over.
-static uint32_t choose(const rsv_bake_sources *q, const rsv_bake_weights *w, float u)
+/// The emitter in whose share of the sum a number falls. @param share out: its own
+static uint32_t choose(const rsv_bake_sources *q, const rsv_bake_weights *w, float u, float *share)
 {
-    uint32_t chosen = RSV_NONE;
-    float left = u * w->sum;
-    for (uint32_t k = 0; k < q->count && left >= 0; k++) {
-        if (!(w->weight[k] > 0)) continue;
-        chosen = k;
-        left -= w->weight[k];
+    uint32_t low = 0, high = q->count - 1;
+    while (low < high) {
+        uint32_t middle = (low + high) / 2;
+        if (w->weight[middle] > u * w->sum)
+            high = middle;
+        else
+            low = middle + 1;
     }
-    return chosen;
+    *share = (w->weight[low] - (low > 0 ? w->weight[low - 1] : 0)) / w->sum;
+    return low;
 }
 
 static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const float u[3],
@@ -130,10 +132,11 @@ static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const f
 {
     if (!(u[0] < w->emitters))
         return rsv_local_lights_sample(&w->local, u[0] - w->emitters, u[1], u[2], result);
-    uint32_t chosen = choose(q, w, u[0] / w->emitters);
-    if (chosen == RSV_NONE) return false;
-    float probability = w->emitters * w->weight[chosen] / w->sum;
-    if (!rsv_sample_emitter(&w->local, chosen, probability, u[1], u[2], result)) return false;
+    float share;
+    uint32_t chosen = choose(q, w, u[0] / w->emitters, &share);
+    if (!(share > 0) ||
+        !rsv_sample_emitter(&w->local, chosen, w->emitters * share, u[1], u[2], result))
+        return false;
     const rsv_emitter *emitter = &q->lights->emitter[result->emitter];
     if (emitter->varies)
         result->radiance =

@@ -24,8 +24,8 @@ typedef struct rsv_bake_sources {
 typedef struct rsv_bake_weights {
     rsv_local_lights local;         ///< suns and sky; where the tree chooses, all
     float emitters;                 ///< probability of choosing an emitter
-    float sum;                      ///< of `weight`
-    float weight[RSV_BAKE_WEIGHED]; ///< luminance that each emitter would give
+    float sum;                      ///< of the luminance that emitters would give
+    float weight[RSV_BAKE_WEIGHED]; ///< that of each emitter and of all before it
     rsv_rgb unshadowed;             ///< irradiance of all that is weighed
 } rsv_bake_weights;
 
