@@ -41,6 +41,11 @@ typedef struct rsv_bake_desc {
     /// large. 0.001..0.5, default 0.01
     float error;
     bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
+    /// Vertices, lightmaps: what 1 stands for in the file, as the radiance of a white surface, W/(m2 sr); brighter light is
+    /// clipped. 0 = by itself: lightmaps clip 0.1 % of their texels at most, vertices nothing, or, if unlit, what is more than
+    /// four times as bright as the mean.
+    float light_scale;
+    bool ktx2;     ///< lightmaps: also OUT.lightmap.ktx2, in shared exponents (RGB9E5)
     float density; ///< lightmaps: texels per metre; 0 = as many as fit
     uint32_t
         map_size; ///< texels along a side at most, 16..8192; 0 = 1024, up to 4096 for many charts
@@ -74,7 +79,8 @@ typedef struct rsv_bake_report {
     double largest_seam; ///< largest jump of light across charts on smooth surfaces, relative
     uint32_t probe_count[3];
     size_t valid_probes;
-    float light_scale; ///< W/m2 that the largest code of the file stands for
+    float light_scale; ///< that 1 stands for in the file: radiance of a white surface, W/(m2 sr)
+    double saturated;  ///< share of texels or vertices that are brighter, and clipped
     size_t lights;     ///< of the basis, surroundings counted at every angle
 } rsv_bake_report;
 

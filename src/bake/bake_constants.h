@@ -137,12 +137,16 @@
 /// after three rounds, below 1 % after five.
 #define MOST_REFINEMENTS 6
 /// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
-#define BRIGHTEST 0.995
+#define BRIGHTEST 0.999
 
 // ---- Vertices (bake_cells.c, bake_tessellate.c) ------------------------------------------------------
 
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
+/// Unlit vertices of so many times the mean light are white: viewers show them as they are, as a photograph would.
+#define UNLIT_WHITE 4
+/// Light that is no brighter than this times another was only rounded.
+#define SAME 1.00001f
 /// Error of light that decides where triangles are divided, as a share of the tolerance: noise must not divide any.
 #define QUIET 0.5f
 /// Vertices are doubled where light differs by more than this.

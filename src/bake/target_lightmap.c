@@ -10,6 +10,7 @@
 #include "bake_seam.h"
 #include "bake_target.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,17 +20,21 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// The brightness that most texels do not exceed.
+/// What the largest code stands for: as asked for, or the brightness that most texels do not exceed; and how many do.
 static rsv_status find_scale(rsv_lightmap_bake *b)
 {
-    size_t texels = (size_t)b->layout.map.width * b->layout.map.height, shown = 0;
+    size_t texels = (size_t)b->layout.map.width * b->layout.map.height, shown = 0, brighter = 0;
     float *value = rsv_alloc(b->s->context, texels, sizeof *value);
     if (!value) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < texels; k++)
         if (b->layout.map.distance[k] < 0.5f) value[shown++] = rgb_max(b->layout.map.light[k]);
     qsort(value, shown, sizeof *value, compare_floats);
-    b->scale = shown ? value[(size_t)(BRIGHTEST * (double)(shown - 1))] : 0;
+    b->scale = RSV_PI * b->desc->light_scale;
+    if (!(b->scale > 0) && shown) b->scale = value[(size_t)ceil(BRIGHTEST * (double)(shown - 1))];
     if (!(b->scale > 0)) b->scale = shown && value[shown - 1] > 0 ? value[shown - 1] : 1;
+    for (size_t k = shown; k-- > 0 && value[k] > b->scale;)
+        brighter++;
+    b->saturated = shown ? (double)brighter / (double)shown : 0;
     rsv_free(b->s->context, value);
     return RSV_OK;
 }
@@ -117,7 +122,8 @@ static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
     report->map_height = b->layout.map.height;
     report->density = b->layout.density;
     report->coverage = rsv_bake_map_coverage(&b->layout.map);
-    report->light_scale = b->scale;
+    report->light_scale = b->scale / RSV_PI;
+    report->saturated = b->saturated;
     report->largest_seam = b->largest_seam;
 }
 

@@ -50,14 +50,26 @@ cleanup:
     return status;
 }
 
-/// The brightest vertex is 1: colours of vertices may not exceed that.
+/// What 1 stands for, as the radiance of a white surface: colours of vertices may not exceed that.
 static float find_scale(const vertex_bake *b)
 {
-    float most = 0;
+    float most = 0, white = UNLIT_WHITE * (float)b->s->report.mean_irradiance / PI_F;
+    if (b->desc->light_scale > 0) return b->desc->light_scale;
     for (size_t k = 0; k < b->parts.count; k++)
         for (size_t n = 0; n < b->mesh[k].vertex_count; n++)
             most = f_max(most, rgb_max(b->mesh[k].light[n]) / PI_F);
+    if (b->desc->unlit && white > 0) most = f_min(most, white);
     return most > 0 ? most : 1;
+}
+
+/// Share of the vertices that are brighter than 1.
+static double find_saturated(const vertex_bake *b, float scale)
+{
+    size_t brighter = 0, all = 0;
+    for (size_t k = 0; k < b->parts.count; k++)
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, all++)
+            brighter += rgb_max(b->mesh[k].light[n]) > PI_F * scale * SAME;
+    return all ? (double)brighter / (double)all : 0;
 }
 
 /// Vertices that keep the order of the file: those that no triangle uses stay dark.
@@ -320,6 +332,7 @@ static void show_vertices(const vertex_bake *b)
 static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
 {
     report->light_scale = scale;
+    report->saturated = find_saturated(b, scale);
     for (size_t k = 0; k < b->parts.count; k++) {
         report->vertices += b->mesh[k].vertex_count;
         report->triangles += b->mesh[k].triangle_count;
