@@ -143,12 +143,16 @@
 
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
+/// What is this near to an edge lies on it: a share of the finest cells, or what coordinates are rounded to, as a share of the
+/// largest.
+#define ON_EDGE 1e-3f
+#define ROUNDED 4e-7f
 /// Unlit vertices of so many times the mean light are white: viewers show them as they are, as a photograph would.
 #define UNLIT_WHITE 4
 /// Light that is no brighter than this times another was only rounded.
 #define SAME 1.00001f
 /// Error of light that decides where triangles are divided, as a share of the tolerance: noise must not divide any.
-#define QUIET 0.5f
+#define QUIET 0.25f
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 

@@ -1,5 +1,6 @@
 /// Light in the vertices of a glTF file.
 #include "../core/sampling.h"
+#include "../core/vec.h"
 #include "bake_basis.h"
 #include "bake_constants.h"
 #include "bake_lattice.h"
@@ -32,7 +33,8 @@ typedef struct vertex_bake {
 /// Beside which errors are measured, W/m2.
 static float dark_of(const rsv_light_view *s) { return DARK * (float)s->report.mean_irradiance; }
 
-static rsv_status tessellate(vertex_bake *b)
+/// Divides all parts. @param tessellator out, [parts.count]; NULL = carries no light
+static rsv_status divide(vertex_bake *b, rsv_bake_tessellator **tessellator)
 {
     rsv_status status = RSV_OK;
     const rsv_light_view *s = b->s;
@@ -43,10 +45,42 @@ static rsv_status tessellate(vertex_bake *b)
     for (size_t k = 0; k < b->parts.count; k++) {
         if (!rsv_bake_carries_light(s, &b->parts.part[k])) continue;
         desc.divide = rsv_bake_may_divide(b->primitive[k]);
-        RSV_TRY(rsv_bake_tessellate(&b->smooth.view, &b->parts.part[k], &desc, &b->mesh[k]));
+        RSV_TRY(rsv_bake_tessellator_create(
+            &b->smooth.view, &b->parts.part[k], &desc, &b->mesh[k], &tessellator[k]));
         RSV_TRY(rsv_progress(s->context, "bake", (double)(k + 1) / (double)b->parts.count));
     }
 cleanup:
+    return status;
+}
+
+/// Largest coordinate of the scene, for what rounding makes of coordinates.
+static float extent_of(const rsv_scene_view *view)
+{
+    float largest = 0;
+    for (size_t n = 0; n < view->vertex_count; n++)
+        largest = f_max(largest, v3_max_abs(view->position[n]));
+    return largest;
+}
+
+static rsv_status tessellate(vertex_bake *b)
+{
+    rsv_status status;
+    rsv_bake_borders borders = { .context = b->s->context };
+    float near = f_max(ON_EDGE * b->finest, ROUNDED * extent_of(b->s->scene.view));
+    rsv_bake_tessellator **tessellator =
+        rsv_alloc(b->s->context, b->parts.count, sizeof *tessellator);
+    RSV_TRY(tessellator ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(divide(b, tessellator));
+    for (size_t k = 0; k < b->parts.count; k++)
+        if (tessellator[k]) RSV_TRY(rsv_bake_tessellator_border(tessellator[k], &borders));
+    RSV_TRY(rsv_bake_borders_sort(&borders, near, 8 * b->finest));
+    for (size_t k = 0; k < b->parts.count; k++)
+        if (tessellator[k]) RSV_TRY(rsv_bake_tessellator_write(tessellator[k], &borders));
+cleanup:
+    for (size_t k = 0; tessellator && k < b->parts.count; k++)
+        rsv_bake_tessellator_destroy(tessellator[k]);
+    rsv_free(b->s->context, tessellator);
+    rsv_bake_borders_destroy(&borders);
     return status;
 }
 
