@@ -63,7 +63,8 @@ static void filter_texel(const filter *f, size_t texel, rsv_rgb result[2])
     long x = (long)(texel % map->width), y = (long)(texel / map->width);
     float weight[2] = { 0, 0 };
     size_t n;
-    result[0] = result[1] = rgb_gray(0);
+    result[0] = rgb_gray(0);
+    result[1] = rgb_gray(0);
     for (long b = y - FILTER_REACH; b <= y + FILTER_REACH; b++)
         for (long a = x - FILTER_REACH; a <= x + FILTER_REACH; a++) {
             if (!is_beside(map, map->group[texel], a, b, &n)) continue;
@@ -77,7 +78,7 @@ static void filter_texel(const filter *f, size_t texel, rsv_rgb result[2])
         result[h] = rgb_scale(result[h], 1 / weight[h]);
 }
 
-static rsv_status run(rsv_context *context, const filter *f, rsv_rgb *filtered[2])
+static rsv_status run(rsv_context *context, const filter *f)
 {
     const rsv_bake_noisy_map *map = f->map;
     size_t texels = (size_t)map->width * map->height;
@@ -95,12 +96,9 @@ static rsv_status run(rsv_context *context, const filter *f, rsv_rgb *filtered[2
         bool noisy = map->group[k] != RSV_NONE && f->luminance[0][k] != f->luminance[1][k] &&
                      !rsv_cancelled(context);
         if (noisy) filter_texel(f, k, result);
-        filtered[0][k] = result[0];
-        filtered[1][k] = result[1];
+        map->filtered[0][k] = result[0];
+        map->filtered[1][k] = result[1];
     }
-    for (size_t k = 0; k < texels; k++)
-        for (int h = 0; h < 2; h++)
-            map->half[h][k] = filtered[h][k];
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -109,18 +107,12 @@ rsv_status rsv_bake_filter(rsv_context *context, const rsv_bake_noisy_map *map)
     rsv_status status = RSV_ERROR_MEMORY;
     size_t texels = (size_t)map->width * map->height;
     filter f = { .map = map };
-    rsv_rgb *filtered[2] = { NULL, NULL };
     f.variance = rsv_alloc(context, texels, sizeof *f.variance);
-    for (int h = 0; h < 2; h++) {
+    for (int h = 0; h < 2; h++)
         f.luminance[h] = rsv_alloc(context, texels, sizeof *f.luminance[h]);
-        filtered[h] = rsv_alloc(context, texels, sizeof *filtered[h]);
-    }
-    if (f.variance && f.luminance[0] && f.luminance[1] && filtered[0] && filtered[1])
-        status = run(context, &f, filtered);
+    if (f.variance && f.luminance[0] && f.luminance[1]) status = run(context, &f);
     rsv_free(context, f.variance);
-    for (int h = 0; h < 2; h++) {
-        rsv_free(context, f.luminance[h]);
-        rsv_free(context, filtered[h]);
-    }
+    rsv_free(context, f.luminance[0]);
+    rsv_free(context, f.luminance[1]);
     return status;
 }

@@ -10,7 +10,8 @@
 typedef struct rsv_bake_noisy_map {
     uint32_t width, height;
     const uint32_t *group; ///< [height * width] only texels of one group are mixed; RSV_NONE = none
-    rsv_rgb *half[2];      ///< [height * width] in: noisy; out: filtered
+    const rsv_rgb *half[2]; ///< [height * width] noisy
+    rsv_rgb *filtered[2];   ///< [height * width] out
 } rsv_bake_noisy_map;
 
 /// RSV_ERROR_MEMORY, or RSV_ERROR_CANCELLED.

@@ -18,9 +18,11 @@ typedef struct grid_light {
     const rsv_bake_grid *grid;
     const rsv_bake_accuracy *accuracy;
     size_t count;
-    pilot *pilot;     ///< [count]
-    rsv_rgb *half[2]; ///< [count] of all that shadow rays find
-    rsv_rgb *light;   ///< [count] of the rest
+    pilot *pilot;         ///< [count]
+    rsv_rgb *half[2];     ///< [count] of all that shadow rays find
+    rsv_rgb *filtered[2]; ///< [count] the same without noise
+    uint16_t *samples;    ///< [count] shadow rays of each half; 0 = what others found
+    rsv_rgb *light;       ///< [count] of the rest
 } grid_light;
 
 /// @param round other random numbers
@@ -31,6 +33,7 @@ static rsv_bake_estimate look(grid_light *q, size_t k, uint32_t samples, uint32_
     rsv_bake_estimate e = rsv_bake_estimate_patch(
         &q->lamps, &patch, samples, rsv_hash3(q->accuracy->seed, number, round));
     q->light[k] = q->grid->sampled_only ? rgb_gray(0) : e.stored;
+    q->samples[k] = (uint16_t)samples;
     q->half[0][k] = rgb_add(e.half[0], e.punctual);
     q->half[1][k] = rgb_add(e.half[1], e.punctual);
     return e;
@@ -158,45 +161,113 @@ static rsv_status send_rays(grid_light *q, bool between)
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
-static rsv_status estimate(grid_light *q)
+// ---- what is left of noise ------------------------------------------------------------------------
+
+/// Standard error of a patch, relative: half the difference of the halves, in the mean of squares over its neighbours.
+static float error_around(const grid_light *q, size_t at)
+{
+    const rsv_bake_grid *grid = q->grid;
+    long x = (long)(at % grid->width), y = (long)(at / grid->width);
+    float squares = 0, count = 0;
+    for (long b = y - 1; b <= y + 1; b++)
+        for (long a = x - 1; a <= x + 1; a++) {
+            if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
+            size_t n = (size_t)b * grid->width + (size_t)a;
+            if (grid->group[n] != grid->group[at] || q->samples[n] == 0) continue;
+            float difference = rgb_luminance(q->filtered[0][n]) - rgb_luminance(q->filtered[1][n]);
+            squares += 0.25f * difference * difference;
+            count++;
+        }
+    rsv_rgb sampled = rgb_scale(rgb_add(q->filtered[0][at], q->filtered[1][at]), 0.5f);
+    float light = rgb_luminance(rgb_add(q->light[at], sampled));
+    return sqrtf(squares / f_max(count, 1)) / f_max(light, q->accuracy->dark);
+}
+
+/// Sends four times the shadow rays where the error is larger than that of most patches may be. @return of how many
+static size_t refine(grid_light *q, uint32_t round)
+{
+    rsv_context *context = q->s->context;
+    size_t refined = 0;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : refined)
+    for (size_t k = 0; k < q->count; k++) {
+        if (q->grid->group[k] == RSV_NONE || q->samples[k] == 0 ||
+            q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(context) ||
+            error_around(q, k) <= LARGEST_DEVIATION * q->accuracy->error)
+            continue;
+        uint32_t samples = 4u * q->samples[k];
+        if (samples > MOST_REFINED_SAMPLES) samples = MOST_REFINED_SAMPLES;
+        look(q, k, samples, 2 + round);
+        refined++;
+    }
+    return refined;
+}
+
+static rsv_status quieten(grid_light *q)
 {
     rsv_status status;
     const rsv_bake_grid *grid = q->grid;
     const rsv_bake_noisy_map noisy = { grid->width, grid->height, grid->group,
-        { q->half[0], q->half[1] } };
+        { q->half[0], q->half[1] }, { q->filtered[0], q->filtered[1] } };
+    size_t refined = 1;
+    RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    for (uint32_t round = 0; round < LIGHT_REFINEMENTS && refined > 0; round++) {
+        refined = refine(q, round);
+        if (refined > 0) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    }
+cleanup:
+    return status;
+}
+
+static rsv_status estimate(grid_light *q)
+{
+    rsv_status status;
     take_pilots(q);
     RSV_TRY(send_rays(q, false));
     RSV_TRY(send_rays(q, true));
-    if (rsv_lights_any_sampled(q->s->lights)) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    bool noisy = rsv_lights_any_sampled(q->s->lights) || q->s->lights->punctual_tree;
+    if (noisy) RSV_TRY(quieten(q));
+    rsv_rgb *const *half = noisy ? q->filtered : q->half;
     for (size_t k = 0; k < q->count; k++)
-        q->light[k] =
-            rgb_positive(rgb_mad(q->light[k], 0.5f, rgb_add(q->half[0][k], q->half[1][k])));
+        q->light[k] = rgb_positive(rgb_mad(q->light[k], 0.5f, rgb_add(half[0][k], half[1][k])));
 cleanup:
     return status;
+}
+
+static void free_arrays(grid_light *q)
+{
+    rsv_context *context = q->s->context;
+    rsv_bake_sources_destroy(&q->lamps.sources);
+    rsv_free(context, q->pilot);
+    rsv_free(context, q->samples);
+    for (int h = 0; h < 2; h++) {
+        rsv_free(context, q->half[h]);
+        rsv_free(context, q->filtered[h]);
+    }
 }
 
 rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *grid,
     const rsv_bake_accuracy *accuracy, rsv_rgb *light)
 {
-    rsv_context *context = s->context;
     rsv_status status;
     grid_light q = { .s = s,
         .grid = grid,
         .accuracy = accuracy,
         .count = (size_t)grid->width * grid->height,
         .light = light };
-    q.pilot = rsv_alloc(context, q.count, sizeof *q.pilot);
-    for (int h = 0; h < 2; h++)
-        q.half[h] = rsv_alloc(context, q.count, sizeof *q.half[h]);
+    q.pilot = rsv_alloc(s->context, q.count, sizeof *q.pilot);
+    q.samples = rsv_alloc(s->context, q.count, sizeof *q.samples);
+    bool allocated = q.pilot && q.samples;
+    for (int h = 0; h < 2; h++) {
+        q.half[h] = rsv_alloc(s->context, q.count, sizeof *q.half[h]);
+        q.filtered[h] = rsv_alloc(s->context, q.count, sizeof *q.filtered[h]);
+        allocated = allocated && q.half[h] && q.filtered[h];
+    }
     for (size_t k = 0; k < q.count; k++)
         light[k] = rgb_gray(0);
     q.lamps.light = s;
-    RSV_TRY(rsv_bake_sources_create(context, s->lights, &q.lamps.sources));
-    status = q.pilot && q.half[0] && q.half[1] ? estimate(&q) : RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_bake_sources_create(s->context, s->lights, &q.lamps.sources));
+    status = allocated ? estimate(&q) : RSV_ERROR_MEMORY;
 cleanup:
-    rsv_bake_sources_destroy(&q.lamps.sources);
-    rsv_free(context, q.pilot);
-    rsv_free(context, q.half[0]);
-    rsv_free(context, q.half[1]);
+    free_arrays(&q);
     return status;
 }

@@ -28,7 +28,7 @@ struct rsv_bake_tessellator {
     rsv_bake_mesh *mesh;
     const rsv_bake_borders *borders;
     rsv_index_map foreign; ///< of two places: into `cut`
-    edge_cut *cut;              ///< at points of other edges
+    edge_cut *cut;         ///< at points of other edges
     size_t cut_count, cut_capacity;
     uint32_t *vertex_place; ///< [vertex_count of the part]
     uint32_t place_count;
