@@ -74,9 +74,7 @@ static rsv_status read_map(
 static rsv_status write_basis(rsv_lightmap_bake *b, const char *output, size_t *lights)
 {
     size_t texels = (size_t)b->layout.map.width * b->layout.map.height;
-    rsv_bake_reader reader = rsv_bake_surface_reader("texel", NULL, texels);
-    reader.receiver = b;
-    reader.read = read_map;
+    rsv_bake_reader reader = rsv_bake_surface_reader("texel", b, texels, read_map);
     reader.sum = b->layout.map.light;
     return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
 }

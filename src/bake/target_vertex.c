@@ -307,11 +307,9 @@ static rsv_status read_vertices(
 /// Writes what each light does; vertices become the sums of it.
 static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights)
 {
-    rsv_bake_reader reader = rsv_bake_surface_reader("vertex", NULL, b->vertex_count);
+    rsv_bake_reader reader = rsv_bake_surface_reader("vertex", b, b->vertex_count, read_vertices);
     rsv_rgb *sum = rsv_alloc(b->s->context, b->vertex_count, sizeof *sum);
     if (!sum) return RSV_ERROR_MEMORY;
-    reader.receiver = b;
-    reader.read = read_vertices;
     reader.sum = sum;
     rsv_status status = rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
     size_t at = 0;

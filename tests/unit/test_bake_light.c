@@ -12,6 +12,8 @@
 /// Enough for what every 29th texel or vertex takes.
 #define MOST_VALUES 4096
 #define MOST_PLACES (16 * MOST_VALUES)
+/// Standard errors of path tracing that are left out of errors.
+#define SURE 2
 
 typedef struct values {
     float light[MOST_VALUES];
@@ -42,21 +44,27 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// Relative errors beside path tracing, or beside a twentieth of the mean where it is darker; sorted. @return how many
+/// Errors that noise of path tracing does not explain, relative to the light, or to a twentieth of the mean where it is darker;
+/// sorted. @return how many
 static size_t find_errors(const rsv_scene *scene, const values *v, uint32_t paths, float *error)
 {
     static rsv_probe_reading reading[MOST_PLACES];
-    static float truth[MOST_VALUES];
+    static float truth[MOST_VALUES], deviation[MOST_VALUES];
     float mean = 0;
     assert_int_equal(rsv_surface_reference(scene, v->place, v->places, paths, 3, reading), RSV_OK);
     for (size_t k = 0, at = 0; k < v->count; k++) {
+        float squares = 0;
         truth[k] = 0;
-        for (uint32_t n = 0; n < v->places_of[k]; n++)
-            truth[k] += reading[at++].irradiance.g / (float)v->places_of[k];
+        for (uint32_t n = 0; n < v->places_of[k]; n++, at++) {
+            truth[k] += reading[at].irradiance.g / (float)v->places_of[k];
+            squares += reading[at].standard_error.g * reading[at].standard_error.g;
+        }
+        deviation[k] = sqrtf(squares) / (float)v->places_of[k];
         mean += truth[k] / (float)v->count;
     }
     for (size_t k = 0; k < v->count; k++)
-        error[k] = fabsf(v->light[k] - truth[k]) / f_max(truth[k], 0.05f * mean);
+        error[k] = f_max(fabsf(v->light[k] - truth[k]) - SURE * deviation[k], 0) /
+                   f_max(truth[k], 0.05f * mean);
     qsort(error, v->count, sizeof *error, compare);
     return v->count;
 }
