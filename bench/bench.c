@@ -52,6 +52,8 @@ static const char help[] =
     "  pictures  seconds to relative MSEs of 0.02, 0.005 and 0.001, beside mode reference in the\n"
     "            same run: first picture (from the file), second view, and the first view relit;\n"
     "            of the interiors, a studio, the head and built-in scenes, or of SCENE\n"
+    "  bake      lightmaps and vertices beside path tracing: time, errors of random texels,\n"
+    "            blotches, seams and bytes; on cornell-blocks\n"
     "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
@@ -87,7 +89,8 @@ static const char help[] =
     "                    everything N times (default 3 to 21)\n"
     "  --frames N        fps, rooms: of the flight (default: what 3 seconds hold, 3 to 120);\n"
     "                    moving: default 8\n"
-    "  --size N          quality: pixels along each side of the pictures (default 256); fig8:\n"
+    "  --size N          bake: texels along a side of the map (default 512);\n"
+    "                    quality: pixels along each side of the pictures (default 256); fig8:\n"
     "                    their rows, of 16:9 (default 720)\n"
     "  --size WxH        fps, rooms: pixels of a frame (default 1280x720); rooms compares frames "
     "of half\n"
@@ -95,7 +98,7 @@ static const char help[] =
     "  --gloss G         fps, rooms: how frames find what rough surfaces reflect: reused (default) "
     "or\n"
     "                    paths\n"
-    "  --assets FOLDER   rooms, pictures: where the scenes are (default: RSV_ASSETS)\n"
+    "  --assets FOLDER   bake, rooms, pictures: where the scenes are (default: RSV_ASSETS)\n"
     "  --cache FOLDER    rooms: keeps operators and references for the next time, pictures:\n"
     "                    references; to be emptied when they should come out differently\n"
     "  --strips FOLDER   rooms: a picture of each scene: four frames of the flight, one at rest, "
@@ -119,7 +122,8 @@ static const char help[] =
     "  --max-time S      pictures: seconds for each scene: less precise references, fewer pictures "
     "and\n"
     "                    qualities where that is too little (default 300)\n"
-    "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
+    "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048);\n"
+    "                    bake: at each of 256 texels (default 4096)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
     "  --json            print JSON\n"
@@ -207,6 +211,15 @@ static const benchmark benchmarks[] = {
             "cornell-glass", "cornell-marble" },
         .repetitions = 1,
         .frame_size = { 640, 360 },
+        .quality = RSV_QUALITY_MEDIUM },
+    { .name = "bake",
+        .run = cli_bench_bake,
+        .print = cli_print_bake,
+        .print_summary = cli_print_bake_summary,
+        .write_csv = cli_write_bake_csv,
+        .scenes = { "cornell-blocks" },
+        .repetitions = 1,
+        .size = 512,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "fig8",
         .run = cli_bench_fig8,
@@ -388,21 +401,23 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     bool flies = b->frame_size.width > 0, is_rooms = b->run == cli_bench_rooms;
-    bool judges = is_rooms || b->run == cli_bench_pictures;
-    if (s->bench.environment.path && b->run != cli_bench_quality && !flies)
-        return cli_usage_error("bench", "--env belongs to bench quality, fps, rooms and pictures");
-    if ((s->bench.assets || s->bench.cache || s->quick) && !judges)
+    bool bakes = b->run == cli_bench_bake, judges = is_rooms || b->run == cli_bench_pictures;
+    if (s->bench.environment.path && b->run != cli_bench_quality && !flies && !bakes)
         return cli_usage_error(
-            "bench", "--assets, --cache and --quick belong to bench rooms and pictures");
+            "bench", "--env belongs to bench bake, quality, fps, rooms and pictures");
+    if (s->bench.assets && !judges && !bakes)
+        return cli_usage_error("bench", "--assets belongs to bench bake, rooms and pictures");
+    if ((s->bench.cache || s->quick) && !judges)
+        return cli_usage_error("bench", "--cache and --quick belong to bench rooms and pictures");
     if (s->bench.max_seconds > 0 && b->run != cli_bench_pictures)
         return cli_usage_error("bench", "--max-time belongs to bench pictures");
     if (s->bench.strips && !is_rooms)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
         b->run != cli_bench_rebake && b->run != cli_bench_moving && b->run != cli_bench_gpu &&
-        !flies)
+        !flies && !bakes)
         return cli_usage_error("bench",
-            "--quality belongs to bench levels, quality, rebake, moving, gpu, fps, rooms and "
+            "--quality belongs to bench bake, levels, quality, rebake, moving, gpu, fps, rooms and "
             "pictures");
     if (s->bench.gloss >= 0 && !flies)
         return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
@@ -411,7 +426,7 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--frames belongs to bench fps, rooms and moving");
     if (s->size.width && !b->size && !flies)
         return cli_usage_error(
-            "bench", "--size belongs to bench quality, fig8, fps, rooms and pictures");
+            "bench", "--size belongs to bench bake, quality, fig8, fps, rooms and pictures");
     if (b->size && s->size.width != s->size.height)
         return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)

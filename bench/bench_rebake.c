@@ -3,17 +3,16 @@
 #include "command.h"
 #include "light_difference.h"
 #include "moved_scene.h"
+#include "scratch_folder.h"
 
 #include "resolvent/solve.h"
 
 #include <cJSON.h>
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 /// Seconds that making something took.
 typedef struct cost {
@@ -95,30 +94,6 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
     return status;
 }
 
-/// Removes a folder of files.
-static void remove_folder(const char *path)
-{
-    char file[PATH_MAX];
-    DIR *directory = opendir(path);
-    for (struct dirent *entry; directory && (entry = readdir(directory));)
-        if (entry->d_name[0] != '.' &&
-            snprintf(file, sizeof file, "%s/%s", path, entry->d_name) < (int)sizeof file)
-            remove(file);
-    if (directory) closedir(directory);
-    rmdir(path);
-}
-
-/// Makes a folder for files that are of no use later. @param path [PATH_MAX], out: "" = none was made
-static bool make_folder(char *path)
-{
-    const char *root = getenv("TMPDIR");
-    bool made = snprintf(path, PATH_MAX, "%s/resolvent-rebake-XXXXXX",
-                    root && root[0] ? root : "/tmp") < PATH_MAX &&
-                mkdtemp(path);
-    if (!made) path[0] = 0;
-    return made;
-}
-
 /// Solves `scene` once, then measures the moved one. @param made out: false if there is no place for what is kept
 static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *scene,
     const rsv_scene *moved, cJSON *result, bool *made)
@@ -129,15 +104,15 @@ static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *s
     cost took;
     rsv_status status = RSV_ERROR_IO;
     first.checkpoint = before;
-    *made = make_folder(before) && make_folder(after);
+    *made = cli_make_scratch_folder("rebake", before) && cli_make_scratch_folder("rebake", after);
     if (*made) {
         status = solve(scene, &first, &solution, &took);
         rsv_light_destroy(solution);
         add_cost(result, "first", took);
         if (!status) status = compare(bench, moved, after, before, result);
     }
-    if (before[0]) remove_folder(before);
-    if (after[0]) remove_folder(after);
+    cli_remove_scratch_folder(before);
+    cli_remove_scratch_folder(after);
     return status;
 }
 

@@ -94,6 +94,12 @@ void cli_print_pictures(const struct cJSON *result);
 void cli_print_pictures_summary(const struct cJSON *scenes);
 bool cli_write_pictures_csv(const char *path, const struct cJSON *scenes);
 
+/// Bakes beside path tracing: time, errors, blotches, seams, bytes.
+bool cli_bench_bake(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_bake(const struct cJSON *result);
+void cli_print_bake_summary(const struct cJSON *scenes);
+bool cli_write_bake_csv(const char *path, const struct cJSON *scenes);
+
 /// An object moved: solving again from what is kept of the solution before, beside solving as a whole.
 bool cli_bench_rebake(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_rebake(const struct cJSON *result);

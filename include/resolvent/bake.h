@@ -8,18 +8,44 @@
 #ifndef RESOLVENT_BAKE_H
 #define RESOLVENT_BAKE_H
 
+#include "resolvent/render.h"
 #include "resolvent/solve.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+/// A texel or vertex as it was baked, and where it is.
+typedef struct rsv_bake_value {
+    uint32_t at[2];     ///< texel, from the upper left; or a vertex of the file's lit primitives, and 0
+    rsv_rgb irradiance; ///< W/m2, before the file's format rounds or clips it
+    const rsv_surface_place *place; ///< [place_count] that it is the mean of
+    uint32_t place_count;
+    bool translucent; ///< its light is diffused below the surface: it is not what arrives at the places
+} rsv_bake_value;
+
+/// Sees values of lightmaps and vertices as they are written, for instance to judge them. Called by one thread, in order.
+typedef struct rsv_bake_visitor {
+    void *user;
+    /// Whether a value is wanted. @param size of the map; or of the list of vertices, and 1
+    bool (*wants)(void *user, const uint32_t at[2], const uint32_t size[2]);
+    void (*take)(void *user, const rsv_bake_value *value); ///< value is valid during the call alone
+} rsv_bake_visitor;
+
 /// Start from rsv_default_bake_desc().
 typedef struct rsv_bake_desc {
     /// Vertices: surfaces are tessellated, down to the elements, until light between vertices is off by no more than
     /// this share of itself; 0.002..1, default 0.02.
     float tolerance;
+    /// Error of the median texel or vertex that shadow rays go for, relative; that of the 99th percentile is about five times as
+    /// large. 0.001..0.5, default 0.01
+    float error;
     bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
+    /// Vertices, lightmaps: what 1 stands for in the file, as the radiance of a white surface, W/(m2 sr); brighter light is
+    /// clipped. 0 = by itself: lightmaps clip 0.1 % of their texels at most, vertices nothing, or, if unlit, what is more than
+    /// four times as bright as the mean.
+    float light_scale;
+    bool ktx2;     ///< lightmaps: also OUT.lightmap.ktx2, in shared exponents (RGB9E5)
     float density; ///< lightmaps: texels per metre; 0 = as many as fit
     uint32_t
         map_size; ///< texels along a side at most, 16..8192; 0 = 1024, up to 4096 for many charts
@@ -37,6 +63,7 @@ typedef struct rsv_bake_desc {
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     bool dry_run;           ///< find out what would come out, write nothing
+    const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
 
 RSV_API rsv_bake_desc rsv_default_bake_desc(void);
@@ -52,7 +79,8 @@ typedef struct rsv_bake_report {
     double largest_seam; ///< largest jump of light across charts on smooth surfaces, relative
     uint32_t probe_count[3];
     size_t valid_probes;
-    float light_scale; ///< W/m2 that the largest code of the file stands for
+    float light_scale; ///< that 1 stands for in the file: radiance of a white surface, W/(m2 sr)
+    double saturated;  ///< share of texels or vertices that are brighter, and clipped
     size_t lights;     ///< of the basis, surroundings counted at every angle
 } rsv_bake_report;
 

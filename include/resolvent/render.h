@@ -115,6 +115,20 @@ RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_
 RSV_API rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes,
     size_t probe_count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);
 
+/// A point of one side of a triangle.
+typedef struct rsv_surface_place {
+    uint32_t triangle; ///< of the scene
+    float u, v;        ///< barycentric
+    bool back;
+    float width; ///< metres: edge of the patch that its normal map is averaged over
+} rsv_surface_place;
+
+/// Path-traced irradiance of surfaces: by their normal maps, averaged over patches, and without the light that coats keep
+/// from what scatters diffusely below. What elements hold, and what bakes write.
+/// @param samples, seed as in rsv_probe_desc @param readings [count], out
+RSV_API rsv_status rsv_surface_reference(const rsv_scene *scene, const rsv_surface_place *places,
+    size_t count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);
+
 #ifdef __cplusplus
 }
 #endif

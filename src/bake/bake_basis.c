@@ -17,25 +17,15 @@ void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PA
 
 // ---- reading --------------------------------------------------------------------------------------
 
-static rsv_status read_surfaces(
-    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
-{
-    const rsv_bake_receiver *receiver = reader->receiver;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(light->context))
-    for (size_t n = 0; n < reader->count; n++)
-        value[n] = rsv_bake_irradiance(light, &receiver[n]);
-    return RSV_OK;
-}
-
-rsv_bake_reader rsv_bake_surface_reader(
-    const char *kind, const rsv_bake_receiver *receiver, size_t count)
+rsv_bake_reader rsv_bake_surface_reader(const char *kind, const void *receiver, size_t count,
+    rsv_status (*read)(const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value))
 {
     return (rsv_bake_reader){ .kind = kind,
         .units = "W/m2 per linear RGB channel (irradiance)",
         .receiver = receiver,
         .count = count,
         .width = 1,
-        .read = read_surfaces };
+        .read = read };
 }
 
 /// A basis on its way into its file.

@@ -25,9 +25,9 @@ typedef struct rsv_bake_reader {
 /// "room.glb" -> "room.KIND.safetensors"
 void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PATH_BYTES]);
 
-/// Irradiance on surfaces. @param receiver [count]; borrowed
-rsv_bake_reader rsv_bake_surface_reader(
-    const char *kind, const rsv_bake_receiver *receiver, size_t count);
+/// Irradiance on surfaces. @param receiver what `read` reads by; borrowed @param read as above
+rsv_bake_reader rsv_bake_surface_reader(const char *kind, const void *receiver, size_t count,
+    rsv_status (*read)(const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value));
 
 /// Writes what receivers read, light by light, beside the baked file: OUT.light.safetensors. Surroundings are there at
 /// each of desc->turns angles, last of all.

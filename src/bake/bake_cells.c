@@ -21,7 +21,8 @@ rsv_bake_receiver rsv_bake_cells_pulled(
 rsv_rgb rsv_bake_cells_light(const rsv_bake_cells *q, float w1, float w2, float m1, float m2)
 {
     rsv_bake_receiver r = rsv_bake_cells_pulled(q, w1, w2, m1, m2);
-    return rsv_bake_shown(q->s, r.triangle, r.back, r.u, r.v);
+    const rsv_surface_place place = { r.triangle, r.u, r.v, r.back, 0 };
+    return rgb_add(rsv_bake_stored(q->s, &place), rsv_bake_lattices_at(q->lattices, q->t, w1, w2));
 }
 
 static float difference(rsv_rgb a, rsv_rgb b)
@@ -31,7 +32,7 @@ static float difference(rsv_rgb a, rsv_rgb b)
 
 bool rsv_bake_cells_agree(const rsv_bake_cells *q, rsv_rgb a, rsv_rgb b, float tolerance)
 {
-    return difference(a, b) <= tolerance * (a.r + a.g + a.b + q->desc->dark);
+    return difference(a, b) <= tolerance * (a.r + a.g + a.b + 3 * q->desc->accuracy.dark);
 }
 
 // ---- deciding -------------------------------------------------------------------------------------
@@ -67,25 +68,9 @@ static bool decide(rsv_bake_cells *q, size_t node, int depth, const float (*c)[2
     return split;
 }
 
-static int depth_of(const rsv_bake_cells *q)
-{
-    const rsv_scene_view *view = q->s->scene.view;
-    const uint32_t *v = view->triangle[q->part->triangle[q->t]];
-    float longest = 0;
-    for (int k = 0; k < 3; k++)
-        longest =
-            f_max(longest, v3_length(v3_sub(view->position[v[k]], view->position[v[(k + 1) % 3]])));
-    int depth = 0;
-    while (depth < RSV_BAKE_DEEPEST && longest > q->desc->finest) {
-        longest *= 0.5f;
-        depth++;
-    }
-    return depth;
-}
-
 void rsv_bake_cells_decide(rsv_bake_cells *q)
 {
     static const float whole[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
-    q->depth = depth_of(q);
+    q->depth = q->lattices->depth[q->t];
     decide(q, 0, 0, whole);
 }

@@ -2,13 +2,13 @@
 #ifndef RSV_BAKE_CELLS_H
 #define RSV_BAKE_CELLS_H
 
+#include "bake_lattice.h"
 #include "bake_tessellate.h"
-
-#define RSV_BAKE_DEEPEST 9 ///< levels of a quadtree
 
 typedef struct rsv_bake_cells {
     const rsv_light_view *s;
     const rsv_bake_part *part;
+    const rsv_bake_lattices *lattices; ///< of it
     const rsv_bake_tessellation *desc;
     uint8_t *split; ///< of the quadtree at hand, in the order of a heap
     uint32_t t;     ///< triangle at hand

@@ -64,6 +64,50 @@
 /// would take minutes otherwise.
 #define LARGEST_KIND 64
 
+// ---- Shadow rays and noise (bake_map_light.c, bake_filter.c) ------------------------------------------
+
+/// Shadow rays of each half of a texel at first, and texels to each side that say whether they will do.
+#define PILOT_SAMPLES 2
+#define LATTICE_PILOT_SAMPLES 3 ///< many triangles have three points alone
+#define PILOT_REACH 3
+/// Largest change of light between patches that a mean may stand for what is between them: it is off by about an eighth of its
+/// square.
+#define MOST_SLOPE 0.25f
+/// Of each half where they will not.
+#define LEAST_SAMPLES 8
+#define MOST_LIGHT_SAMPLES 256
+/// Places of a patch that sources are weighed at, at most.
+#define WEIGHED_PLACES 16
+/// Emitters nearer than so many times their radius are weighed exactly; others as if they were points, which is off by
+/// less than the square of one over this.
+#define NEAR_EMITTER 8
+/// Of each half at most, where those did not do, and how often that is asked.
+#define MOST_REFINED_SAMPLES 2048
+#define LIGHT_REFINEMENTS 2
+/// Deviation of a patch over the wanted error of the median one: 99 of 100 are then off by less than five times that.
+#define LARGEST_DEVIATION 1.9f
+/// Variance of a mean of stratified samples over that of independent ones.
+#define STRATIFIED 0.3f
+/// By how much the filter lowers the deviation of a texel.
+#define FILTER_GAIN 2.5f
+/// Texels to each side over which variances are means, which are compared, and which are mixed.
+#define VARIANCE_REACH 1
+#define PATCH_REACH 1
+#define FILTER_REACH 3
+/// Larger mixes what differs more.
+#define FILTER_STRENGTH 0.6f
+
+// ---- Noise of stored light (bake_smooth.c) ------------------------------------------------------------
+
+/// Cells between a node and the others that a plane is fitted to, and how many nodes these may be.
+#define FIT_RINGS 4
+#define MOST_AROUND 64
+/// Departures that tell the deviation of noise, and what their median is to be multiplied by, for normal noise.
+#define LEAST_DEPARTURES 6
+#define DEVIATION_BY_MEDIAN 1.4826f
+/// Deviations to each side in a confidence interval.
+#define CONFIDENCE 1.5f
+
 // ---- Texels and seams (bake_texels.c, bake_seam.c, bake_stitch.c, target_lightmap.c) -----------------
 
 /// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
@@ -98,12 +142,22 @@
 /// after three rounds, below 1 % after five.
 #define MOST_REFINEMENTS 6
 /// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
-#define BRIGHTEST 0.995
+#define BRIGHTEST 0.999
 
 // ---- Vertices (bake_cells.c, bake_tessellate.c) ------------------------------------------------------
 
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
+/// What is this near to an edge lies on it: a share of the finest cells, or what coordinates are rounded to, as a share of the
+/// largest.
+#define ON_EDGE 1e-3f
+#define ROUNDED 4e-7f
+/// Unlit vertices of so many times the mean light are white: viewers show them as they are, as a photograph would.
+#define UNLIT_WHITE 4
+/// Light that is no brighter than this times another was only rounded.
+#define SAME 1.00001f
+/// Error of light that decides where triangles are divided, as a share of the tolerance: noise must not divide any.
+#define QUIET 0.25f
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 

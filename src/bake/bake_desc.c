@@ -4,15 +4,22 @@
 
 rsv_bake_desc rsv_default_bake_desc(void)
 {
-    return (rsv_bake_desc){
-        .tolerance = 0.02f, .padding = 2, .keep_uv = true, .turns = 1, .probe_samples = 64
-    };
+    return (rsv_bake_desc){ .tolerance = 0.02f,
+        .error = 0.01f,
+        .padding = 2,
+        .keep_uv = true,
+        .turns = 1,
+        .probe_samples = 64 };
 }
 
 rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
 {
     if (!(desc->tolerance >= 0.002f && desc->tolerance <= 1))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the tolerance must be from 0.002 to 1");
+    if (!(desc->error >= 0.001f && desc->error <= 0.5f))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the error must be from 0.001 to 0.5");
+    if (!(desc->light_scale >= 0 && desc->light_scale <= 1e12f))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the light scale must be from 0 to 1e12");
     if (!(desc->density >= 0 && desc->density <= 1e6f))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: texels per metre must be from 0 to 1e6");
     if (desc->map_size && (desc->map_size < 16 || desc->map_size > 8192))

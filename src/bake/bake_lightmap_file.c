@@ -6,6 +6,7 @@
 #include "../io/atomic_file.h"
 #include "../io/image_codes.h"
 #include "bake_directions.h"
+#include "bake_ktx2.h"
 #include "bake_primitive.h"
 #include "resolvent/image.h"
 
@@ -68,6 +69,22 @@ static rsv_status write_exr(
     status = rsv_image_write(image, path, 0);
     rsv_image_destroy(image);
     return status;
+}
+
+/// The same in shared exponents: "room.glb" -> "room.lightmap.ktx2".
+static rsv_status write_ktx2(const rsv_lightmap_bake *b, const char *output)
+{
+    const rsv_bake_map *map = &b->layout.map;
+    char path[RSV_PATH_BYTES];
+    size_t brighter = 0;
+    snprintf(path, sizeof path, "%.*s.lightmap.ktx2", (int)(strlen(output) - 4), output);
+    for (size_t k = 0; k < (size_t)map->width * map->height; k++)
+        brighter += rgb_max(map->light[k]) > RSV_RGB9E5_MOST;
+    if (brighter)
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: %zu texels exceed 65408 W/m2 and are clipped in '%s'; the .exr holds them",
+            brighter, path);
+    return rsv_bake_write_ktx2(b->s->context, path, map->width, map->height, map->light);
 }
 
 /// Where the light of each texel comes from: V of bake_directions.h, a picture for each of its components.
@@ -216,6 +233,7 @@ rsv_status rsv_lightmap_bake_write(rsv_lightmap_bake *b, const char *output)
         if (rsv_bake_carries_light(b->s, &b->parts.part[k]))
             RSV_TRY(write_part(b, k, texture, set));
     RSV_TRY(write_exr(b, output, "lightmap", b->layout.map.light));
+    if (b->desc->ktx2) RSV_TRY(write_ktx2(b, output));
     if (b->desc->directional) RSV_TRY(write_directions(b, output));
     RSV_TRY(rsv_bake_document_write(&b->document, output));
 cleanup:

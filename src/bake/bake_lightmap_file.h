@@ -11,7 +11,8 @@ typedef struct rsv_lightmap_bake {
     rsv_bake_parts parts;
     cJSON **primitive; ///< [parts.count]
     rsv_bake_layout layout;
-    float scale; ///< W/m2 of the largest code
+    float scale;      ///< W/m2 of the largest code
+    double saturated; ///< share of the texels that are brighter
     double largest_seam;
 } rsv_lightmap_bake;
 

@@ -142,14 +142,16 @@ bool rsv_bake_may_divide(const cJSON *primitive)
     return true;
 }
 
-/// Values of all of a mesh's attributes: those of the file, then middles.
+/// Values of all of a mesh's attributes: those of the file, then what lies between.
 static void blend(const rsv_bake_mesh *mesh, size_t width, const float *from, float *to)
 {
     for (size_t n = 0; n < mesh->attribute_count; n++) {
         uint32_t a = mesh->parent[n][0], b = mesh->parent[n][1];
+        float share = mesh->share ? mesh->share[n] : 0;
         for (size_t c = 0; c < width; c++)
-            to[n * width + c] =
-                a == b ? from[a * width + c] : 0.5f * (to[a * width + c] + to[b * width + c]);
+            to[n * width + c] = a == b
+                                    ? from[a * width + c]
+                                    : (1 - share) * to[a * width + c] + share * to[b * width + c];
     }
 }
 

@@ -20,6 +20,7 @@ typedef struct seam_search {
     const rsv_bake_charts *charts;
     const rsv_bake_parts *parts;
     float dark;
+    const rsv_bake_map *map;
     rsv_bake_stitch *stitch;
     size_t count, capacity;
 } seam_search;
@@ -49,7 +50,7 @@ static rsv_vec3 normal_of(const seam_search *q, const border *b)
     return v3_normalize(mirrored ? v3_neg(n) : n);
 }
 
-/// Where the map shows share `t` of the way along an edge, and the light there as solved.
+/// Where the map shows share `t` of the way along an edge, and the light there as elements store it.
 static rsv_rgb light_on(const seam_search *q, const border *b, float t, float point[2])
 {
     const rsv_bake_chart *chart = &q->charts->chart[b->chart];
@@ -97,9 +98,12 @@ static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
         float t = ((float)k + 0.5f) / (float)count;
         rsv_rgb a = light_on(q, x, t, stitch.point[0]);
         rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, stitch.point[1]);
-        stitch.solved = rgb_scale(rgb_add(a, b), 0.5f);
+        stitch.solved = rgb_scale(rgb_add(rsv_bake_map_lookup(q->map, stitch.point[0]),
+                                      rsv_bake_map_lookup(q->map, stitch.point[1])),
+            0.5f);
         stitch.least = f_max(rgb_max(stitch.solved), q->dark);
-        bool continuous = largest_difference(a, b) <= CONTINUOUS * stitch.least;
+        float stored = f_max(f_max(rgb_max(a), rgb_max(b)), q->dark);
+        bool continuous = largest_difference(a, b) <= CONTINUOUS * stored;
         if (!continuous || !(stitch.least > 0)) continue;
         RSV_TRY(rsv_grow(
             q->s->context, (void **)&q->stitch, &q->capacity, q->count + 1, sizeof *q->stitch));
@@ -151,9 +155,11 @@ static void mark_open(const seam_search *q, const rsv_bake_map *map, uint8_t *op
 rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_layout *layout,
     double mean, rsv_bake_map *map, uint8_t *open, double *largest)
 {
-    seam_search q = {
-        .s = solution, .charts = &layout->charts, .parts = layout->parts, .dark = DARK * (float)mean
-    };
+    seam_search q = { .s = solution,
+        .charts = &layout->charts,
+        .parts = layout->parts,
+        .dark = DARK * (float)mean,
+        .map = map };
     rsv_status status = find_stitches(&q);
     if (status == RSV_OK)
         status = rsv_bake_stitch_up(solution->context, q.stitch, q.count, map, largest);

@@ -12,18 +12,33 @@ typedef struct corner {
     float w1, w2;       ///< weights of the triangle's corners 1 and 2
     uint32_t place;     ///< equal where positions are
     uint32_t attribute; ///< index into the mesh's `parent`
+    uint32_t on;        ///< bit k = on the triangle's edge that is opposite to its corner k
 } corner;
 
-typedef struct tessellator {
+/// Where an edge is cut.
+typedef struct edge_cut {
+    uint32_t place;
+    float share; ///< of the end with the larger place
+} edge_cut;
+
+struct rsv_bake_tessellator {
     rsv_bake_cells cells; ///< of the triangle at hand
+    rsv_bake_lattices lattices;
+    rsv_bake_tessellation desc;
     rsv_bake_mesh *mesh;
+    const rsv_bake_borders *borders;
+    rsv_index_map foreign; ///< of two places: into `cut`
+    edge_cut *cut;         ///< at points of other edges
+    size_t cut_count, cut_capacity;
     uint32_t *vertex_place; ///< [vertex_count of the part]
     uint32_t place_count;
     rsv_index_map middle_place; ///< of two places
     rsv_index_map middle;       ///< of two attributes
     uint32_t *first_vertex;     ///< [attribute_count] of the mesh's vertices
     size_t first_capacity;
-} tessellator;
+};
+
+typedef rsv_bake_tessellator tessellator;
 
 static uint64_t pair_key(uint32_t a, uint32_t b)
 {
@@ -99,33 +114,95 @@ cleanup:
 
 // ---- writing --------------------------------------------------------------------------------------
 
-static rsv_status add_attribute(tessellator *q, uint32_t a, uint32_t b)
+/// @param share of b
+static rsv_status add_attribute(tessellator *q, uint32_t a, uint32_t b, float share)
 {
     rsv_status status;
     rsv_bake_mesh *mesh = q->mesh;
     size_t count = mesh->attribute_count;
     RSV_TRY(rsv_grow(mesh->context, (void **)&mesh->parent, &mesh->attribute_capacity, count + 1,
         sizeof *mesh->parent));
+    RSV_TRY(rsv_grow(mesh->context, (void **)&mesh->share, &mesh->share_capacity, count + 1,
+        sizeof *mesh->share));
     RSV_TRY(rsv_grow(mesh->context, (void **)&q->first_vertex, &q->first_capacity, count + 1,
         sizeof *q->first_vertex));
     mesh->parent[count][0] = a;
     mesh->parent[count][1] = b;
+    mesh->share[count] = share;
     q->first_vertex[count] = RSV_NONE;
     mesh->attribute_count++;
 cleanup:
     return status;
 }
 
-static rsv_status middle_of(tessellator *q, const corner *a, const corner *b, corner *middle)
+static rsv_vec3 position_at(const tessellator *q, uint32_t t, float w1, float w2)
 {
-    uint32_t fresh = (uint32_t)q->mesh->attribute_count;
-    *middle = (corner){ .w1 = 0.5f * (a->w1 + b->w1),
-        .w2 = 0.5f * (a->w2 + b->w2),
-        .place = middle_place(q, a->place, b->place),
-        .attribute =
-            rsv_index_map_insert(&q->middle, pair_key(a->attribute, b->attribute), fresh) };
+    const rsv_bake_part *part = q->cells.part;
+    const rsv_scene_view *view = q->cells.s->scene.view;
+    const uint32_t *v = view->triangle[part->triangle[t]];
+    float u1, u2;
+    rsv_bake_place(part, w1, w2, &u1, &u2);
+    return v3_barycentric(view->position[v[0]], view->position[v[1]], view->position[v[2]], u1, u2);
+}
+
+/// Cuts an edge where a point of another edge lies on it. @param found out: index into q->cut; RSV_NONE = there is none
+static rsv_status find_foreign(tessellator *q, const corner *a, const corner *b, uint32_t *found)
+{
+    rsv_status status = RSV_OK;
+    float share;
+    uint64_t key = pair_key(a->place, b->place);
+    *found = rsv_index_map_find(&q->foreign, key);
+    if (*found != RSV_NONE || !(a->on & b->on) || !q->desc.divide) return RSV_OK;
+    if (a->place > b->place) {
+        const corner *turned = a;
+        a = b, b = turned;
+    }
+    uint32_t t = q->cells.t;
+    if (!rsv_bake_borders_find(
+            q->borders, position_at(q, t, a->w1, a->w2), position_at(q, t, b->w1, b->w2), &share))
+        return RSV_OK;
+    RSV_TRY(rsv_grow(
+        q->mesh->context, (void **)&q->cut, &q->cut_capacity, q->cut_count + 1, sizeof *q->cut));
+    q->cut[q->cut_count] = (edge_cut){ q->place_count++, share };
+    *found = rsv_index_map_insert(&q->foreign, key, (uint32_t)q->cut_count++);
+    status = *found == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK;
+cleanup:
+    return status;
+}
+
+/// Where an edge is to be cut. @param share out: of b; 0 = it is not
+static rsv_status find_cut(
+    tessellator *q, const corner *a, const corner *b, uint32_t *place, float *share)
+{
+    uint32_t foreign;
+    *place = middle_place(q, a->place, b->place);
+    *share = 0.5f;
+    if (*place != RSV_NONE) return RSV_OK;
+    rsv_status status = find_foreign(q, a, b, &foreign);
+    *share = 0;
+    if (status != RSV_OK || foreign == RSV_NONE) return status;
+    *place = q->cut[foreign].place;
+    *share = a->place < b->place ? q->cut[foreign].share : 1 - q->cut[foreign].share;
+    return RSV_OK;
+}
+
+/// The corner where an edge is cut. @param is_cut out: whether it is
+static rsv_status cut_edge(
+    tessellator *q, const corner *a, const corner *b, corner *middle, bool *is_cut)
+{
+    uint32_t fresh = (uint32_t)q->mesh->attribute_count, place;
+    float share;
+    rsv_status status = find_cut(q, a, b, &place, &share);
+    *is_cut = status == RSV_OK && share > 0;
+    if (!*is_cut) return status;
+    *middle = (corner){ .w1 = (1 - share) * a->w1 + share * b->w1,
+        .w2 = (1 - share) * a->w2 + share * b->w2,
+        .place = place,
+        .attribute = rsv_index_map_insert(&q->middle, pair_key(a->attribute, b->attribute), fresh),
+        .on = a->on & b->on };
     if (middle->attribute == RSV_NONE) return RSV_ERROR_MEMORY;
-    return middle->attribute == fresh ? add_attribute(q, a->attribute, b->attribute) : RSV_OK;
+    if (middle->attribute != fresh) return RSV_OK;
+    return add_attribute(q, a->attribute, b->attribute, share);
 }
 
 static rsv_status add_vertex(tessellator *q, const corner *c, rsv_rgb light, uint32_t *vertex)
@@ -182,7 +259,7 @@ cleanup:
     return status;
 }
 
-/// Cuts a cell along the middles that its edges have, on whichever side they are needed.
+/// Cuts a cell along the points that its edges have, on whichever side they are needed.
 static rsv_status emit(tessellator *q, const corner c[3])
 {
     rsv_status status = RSV_OK;
@@ -190,10 +267,8 @@ static rsv_status emit(tessellator *q, const corner c[3])
     bool cut[3];
     int cuts = 0, k = 0;
     for (int e = 0; e < 3; e++) {
-        const corner *from = &c[e], *to = &c[(e + 1) % 3];
-        cut[e] = middle_place(q, from->place, to->place) != RSV_NONE;
+        RSV_TRY(cut_edge(q, &c[e], &c[(e + 1) % 3], &m[e], &cut[e]));
         cuts += cut[e];
-        if (cut[e]) RSV_TRY(middle_of(q, from, to, &m[e]));
     }
     if (cuts == 0) return add_triangle(q, &c[0], &c[1], &c[2]);
     if (cuts == 3) {
@@ -220,14 +295,17 @@ static rsv_status write_triangle(tessellator *q)
     corner c[3];
     for (int k = 0; k < 3; k++) {
         uint32_t vertex = q->cells.part->corner[q->cells.t][k];
-        c[k] = (corner){
-            .w1 = k == 1, .w2 = k == 2, .place = q->vertex_place[vertex], .attribute = vertex
-        };
+        c[k] = (corner){ .w1 = k == 1,
+            .w2 = k == 2,
+            .place = q->vertex_place[vertex],
+            .attribute = vertex,
+            .on = 7u & ~(1u << k) };
     }
     return emit(q, c);
 }
 
-static rsv_status tessellate(tessellator *q)
+/// Decides where triangles are divided.
+static rsv_status divide_all(tessellator *q)
 {
     rsv_status status = RSV_OK;
     const rsv_bake_part *part = q->cells.part;
@@ -237,11 +315,83 @@ static rsv_status tessellate(tessellator *q)
     RSV_TRY(number_places(q));
     RSV_TRY(rsv_index_map_create(context, part->vertex_count, &q->middle_place));
     RSV_TRY(rsv_index_map_create(context, part->vertex_count, &q->middle));
-    for (uint32_t n = 0; n < part->vertex_count; n++)
-        RSV_TRY(add_attribute(q, n, n));
+    RSV_TRY(rsv_index_map_create(context, 0, &q->foreign));
     uint32_t *t = &q->cells.t;
-    for (*t = 0; q->cells.desc->divide && *t < part->triangle_count; ++*t)
+    for (*t = 0; q->desc.divide && *t < part->triangle_count; ++*t)
         if (part->triangle[*t] != RSV_NONE) RSV_TRY(divide(q));
+cleanup:
+    rsv_free(context, q->cells.split);
+    q->cells.split = NULL;
+    return status;
+}
+
+rsv_status rsv_bake_tessellator_create(const rsv_light_view *s, const rsv_bake_part *part,
+    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh, rsv_bake_tessellator **result)
+{
+    rsv_status status;
+    *mesh = (rsv_bake_mesh){ .context = s->context };
+    tessellator *q = *result = rsv_alloc(s->context, 1, sizeof *q);
+    if (!q) return RSV_ERROR_MEMORY;
+    q->desc = *desc;
+    q->mesh = mesh;
+    q->cells = (rsv_bake_cells){ .s = s, .part = part, .lattices = &q->lattices, .desc = &q->desc };
+    RSV_TRY(rsv_bake_lattices_create(s, part, desc->finest, desc->divide, &q->lattices));
+    RSV_TRY(rsv_bake_lattices_light(&q->lattices, &desc->accuracy));
+    RSV_TRY(divide_all(q));
+cleanup:
+    return status;
+}
+
+/// An edge of triangle `t` of the file, or a piece of it.
+typedef struct border_piece {
+    uint32_t t, place[2];
+    float w[2][2];
+} border_piece;
+
+/// Adds the points between the ends of a piece.
+static rsv_status add_between(
+    const tessellator *q, const border_piece *p, rsv_bake_borders *borders)
+{
+    uint32_t middle = middle_place(q, p->place[0], p->place[1]);
+    if (middle == RSV_NONE) return RSV_OK;
+    border_piece half[2] = { *p, *p };
+    half[0].place[1] = half[1].place[0] = middle;
+    for (int c = 0; c < 2; c++)
+        half[0].w[1][c] = half[1].w[0][c] = 0.5f * (p->w[0][c] + p->w[1][c]);
+    rsv_status status =
+        rsv_bake_borders_add(borders, position_at(q, p->t, half[1].w[0][0], half[1].w[0][1]));
+    if (status == RSV_OK) status = add_between(q, &half[0], borders);
+    return status == RSV_OK ? add_between(q, &half[1], borders) : status;
+}
+
+rsv_status rsv_bake_tessellator_border(const tessellator *q, rsv_bake_borders *borders)
+{
+    rsv_status status = RSV_OK;
+    const rsv_bake_part *part = q->cells.part;
+    static const float weight[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        if (part->triangle[t] == RSV_NONE) continue;
+        for (int e = 0; e < 3; e++) {
+            int f = (e + 1) % 3;
+            const border_piece piece = { t,
+                { q->vertex_place[part->corner[t][e]], q->vertex_place[part->corner[t][f]] },
+                { { weight[e][0], weight[e][1] }, { weight[f][0], weight[f][1] } } };
+            RSV_TRY(rsv_bake_borders_add(borders, position_at(q, t, weight[e][0], weight[e][1])));
+            RSV_TRY(add_between(q, &piece, borders));
+        }
+    }
+cleanup:
+    return status;
+}
+
+rsv_status rsv_bake_tessellator_write(tessellator *q, const rsv_bake_borders *borders)
+{
+    rsv_status status = RSV_OK;
+    const rsv_bake_part *part = q->cells.part;
+    uint32_t *t = &q->cells.t;
+    q->borders = borders;
+    for (uint32_t n = 0; n < part->vertex_count; n++)
+        RSV_TRY(add_attribute(q, n, n, 0));
     for (*t = 0; *t < part->triangle_count; ++*t)
         if (part->triangle[*t] != RSV_NONE) RSV_TRY(write_triangle(q));
     q->mesh->changed |= q->mesh->attribute_count > part->vertex_count;
@@ -249,24 +399,24 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_part *part,
-    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh)
+void rsv_bake_tessellator_destroy(tessellator *q)
 {
-    *mesh = (rsv_bake_mesh){ .context = solution->context };
-    tessellator q = { .cells = { .s = solution, .part = part, .desc = desc }, .mesh = mesh };
-    rsv_status status = tessellate(&q);
-    rsv_free(solution->context, q.vertex_place);
-    rsv_free(solution->context, q.first_vertex);
-    rsv_free(solution->context, q.cells.split);
-    rsv_index_map_destroy(&q.middle_place);
-    rsv_index_map_destroy(&q.middle);
-    if (status != RSV_OK) rsv_bake_mesh_destroy(mesh);
-    return status;
+    if (!q) return;
+    rsv_context *context = q->mesh->context;
+    rsv_bake_lattices_destroy(&q->lattices);
+    rsv_free(context, q->vertex_place);
+    rsv_free(context, q->first_vertex);
+    rsv_free(context, q->cut);
+    rsv_index_map_destroy(&q->middle_place);
+    rsv_index_map_destroy(&q->middle);
+    rsv_index_map_destroy(&q->foreign);
+    rsv_free(context, q);
 }
 
 void rsv_bake_mesh_destroy(rsv_bake_mesh *mesh)
 {
     rsv_free(mesh->context, mesh->parent);
+    rsv_free(mesh->context, mesh->share);
     rsv_free(mesh->context, mesh->attribute);
     rsv_free(mesh->context, mesh->receiver);
     rsv_free(mesh->context, mesh->light);

@@ -2,19 +2,22 @@
 ///
 /// Each triangle of a part is a quadtree down to cells of the finest elements; from the leaves up, four children
 /// become one where light in the middle of its edges is what its corners say. Where neighbours differ in depth, the
-/// larger ones are cut along the points on their edges, so that there are no cracks. Vertices are doubled where light
-/// jumps: at creases, and where a wall stands on a floor.
+/// larger ones are cut along the points on their edges, so that there are no cracks; so are edges that points of other parts
+/// lie on. Vertices are doubled where light jumps: at creases, and where a wall stands on a floor.
 #ifndef RSV_BAKE_TESSELLATE_H
 #define RSV_BAKE_TESSELLATE_H
 
+#include "bake_borders.h"
+#include "bake_grid_light.h"
 #include "bake_part.h"
-#include "bake_receiver.h"
 
 typedef struct rsv_bake_mesh {
     rsv_context *context;
     uint32_t (*parent)
-        [2]; ///< [attribute_count] a vertex of the file twice, or two earlier ones: their middle
-    size_t attribute_count, attribute_capacity;
+        [2]; ///< [attribute_count] a vertex of the file twice, or two earlier ones that it lies between
+    float *
+        share; ///< [attribute_count] of the second in it; NULL = there are only vertices of the file
+    size_t attribute_count, attribute_capacity, share_capacity;
     uint32_t *attribute;         ///< [vertex_count] index into `parent`
     rsv_bake_receiver *receiver; ///< [vertex_count]
     rsv_rgb *light;              ///< [vertex_count] irradiance
@@ -28,12 +31,24 @@ typedef struct rsv_bake_mesh {
 typedef struct rsv_bake_tessellation {
     float finest;    ///< metres: cells are not divided below
     float tolerance; ///< relative error of light in the middle of edges
-    float dark;      ///< W/m2 beside which errors are measured
-    bool divide;     ///< false = only vertices may be doubled
+    rsv_bake_accuracy accuracy;
+    bool divide; ///< false = only vertices may be doubled
 } rsv_bake_tessellation;
 
-rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_part *part,
-    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh);
+/// A part on its way. All parts are divided before any is written, as borders are common to them.
+typedef struct rsv_bake_tessellator rsv_bake_tessellator;
+
+/// Lights a part and decides where it is divided. @param desc copied @param mesh what it will be
+rsv_status rsv_bake_tessellator_create(const rsv_light_view *solution, const rsv_bake_part *part,
+    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh, rsv_bake_tessellator **tessellator);
+/// Adds the points on the edges of its triangles.
+rsv_status rsv_bake_tessellator_border(
+    const rsv_bake_tessellator *tessellator, rsv_bake_borders *borders);
+/// @param borders of all parts, sorted
+rsv_status rsv_bake_tessellator_write(
+    rsv_bake_tessellator *tessellator, const rsv_bake_borders *borders);
+void rsv_bake_tessellator_destroy(rsv_bake_tessellator *tessellator);
+
 void rsv_bake_mesh_destroy(rsv_bake_mesh *mesh);
 
 #endif

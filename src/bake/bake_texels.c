@@ -145,6 +145,7 @@ static rsv_status fill_gaps(rsv_context *context, rsv_bake_map *map)
         for (int side = 0; side < 4; side++) {
             if (!inside[side] || map->receiver[next[side]].triangle != RSV_NONE) continue;
             map->receiver[next[side]] = map->receiver[k];
+            map->repeats[next[side]] = map->owner[k] == RSV_NONE ? map->repeats[k] : k;
             queue[count++] = next[side];
         }
     }
@@ -162,12 +163,14 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
         .receiver = rsv_alloc(context, texels, sizeof *map->receiver),
         .distance = rsv_alloc(context, texels, sizeof *map->distance),
         .owner = rsv_alloc(context, texels, sizeof *map->owner),
+        .repeats = rsv_alloc(context, texels, sizeof *map->repeats),
         .light = rsv_alloc(context, texels, sizeof *map->light) };
-    if (!map->receiver || !map->distance || !map->owner || !map->light) return RSV_ERROR_MEMORY;
+    if (!map->receiver || !map->distance || !map->owner || !map->repeats || !map->light)
+        return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < texels; k++) {
         map->distance[k] = INFINITY;
         map->receiver[k].triangle = RSV_NONE;
-        map->owner[k] = RSV_NONE;
+        map->owner[k] = map->repeats[k] = RSV_NONE;
     }
     // filtering reaches a texel and a half beyond a border; charts keep their distance for that
     const float reach = f_min(1.5f, 0.5f * (float)extent.padding + 0.5f);
@@ -183,6 +186,7 @@ void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map)
     rsv_free(context, map->receiver);
     rsv_free(context, map->distance);
     rsv_free(context, map->owner);
+    rsv_free(context, map->repeats);
     rsv_free(context, map->light);
     *map = (rsv_bake_map){ 0 };
 }

@@ -10,8 +10,9 @@ typedef struct rsv_bake_map {
     rsv_bake_receiver *receiver; ///< [height * width]
     float *
         distance; ///< [height * width] texels from the chart; INFINITY = shows nothing, and receives what others do
-    uint32_t *owner; ///< [height * width] triangle of rsv_bake_charts around it
-    rsv_rgb *light;  ///< [height * width]
+    uint32_t *owner;   ///< [height * width] triangle of rsv_bake_charts around it
+    uint32_t *repeats; ///< [height * width] of texels that show nothing: whose light they repeat
+    rsv_rgb *light;    ///< [height * width]
 } rsv_bake_map;
 
 /// Texels along the sides of a map, and those of charts beyond their borders.
@@ -26,7 +27,7 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
     rsv_bake_extent extent, rsv_bake_map *map, uint8_t *overlap);
 void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map);
 
-/// Light of all texels.
+/// Light of all texels as elements store it: in time that is next to nothing, with shadows as coarse as elements.
 void rsv_bake_map_light(const rsv_light_view *solution, rsv_bake_map *map);
 
 /// The upper left one of the four texels around a place in texels, and the place between them, 0..1.

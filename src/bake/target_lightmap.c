@@ -3,12 +3,14 @@
 #include "bake_basis.h"
 #include "bake_constants.h"
 #include "bake_lightmap_file.h"
+#include "bake_map_light.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
 #include "bake_seam.h"
 #include "bake_target.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,19 +20,39 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// The brightness that most texels do not exceed.
+/// What the largest code stands for: as asked for, or the brightness that most texels do not exceed; and how many do.
 static rsv_status find_scale(rsv_lightmap_bake *b)
 {
-    size_t texels = (size_t)b->layout.map.width * b->layout.map.height, shown = 0;
+    size_t texels = (size_t)b->layout.map.width * b->layout.map.height, shown = 0, brighter = 0;
     float *value = rsv_alloc(b->s->context, texels, sizeof *value);
     if (!value) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < texels; k++)
         if (b->layout.map.distance[k] < 0.5f) value[shown++] = rgb_max(b->layout.map.light[k]);
     qsort(value, shown, sizeof *value, compare_floats);
-    b->scale = shown ? value[(size_t)(BRIGHTEST * (double)(shown - 1))] : 0;
+    b->scale = RSV_PI * b->desc->light_scale;
+    if (!(b->scale > 0) && shown) b->scale = value[(size_t)ceil(BRIGHTEST * (double)(shown - 1))];
     if (!(b->scale > 0)) b->scale = shown && value[shown - 1] > 0 ? value[shown - 1] : 1;
+    for (size_t k = shown; k-- > 0 && value[k] > b->scale;)
+        brighter++;
+    b->saturated = shown ? (double)brighter / (double)shown : 0;
     rsv_free(b->s->context, value);
     return RSV_OK;
+}
+
+static rsv_bake_sheet sheet_of(const rsv_lightmap_bake *b)
+{
+    return (rsv_bake_sheet){ &b->layout.charts, b->parts.part, &b->layout.map, b->layout.density };
+}
+
+/// @param light out, [texels]
+static rsv_status estimate_map(
+    const rsv_lightmap_bake *b, const rsv_light_view *solution, rsv_rgb *light)
+{
+    const rsv_bake_sheet sheet = sheet_of(b);
+    const rsv_bake_accuracy accuracy = { .error = b->desc->error,
+        .dark = DARK * (float)b->s->report.mean_irradiance,
+        .seed = b->s->desc.seed };
+    return rsv_bake_light_map(solution, &sheet, &accuracy, light);
 }
 
 /// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
@@ -41,18 +63,19 @@ static rsv_status read_map(
     rsv_bake_map map = b->layout.map;
     double largest, all = rsv_bake_map_sum(&map);
     map.light = value;
-    rsv_bake_map_light(light, &map);
+    rsv_status status = estimate_map(b, light, value);
+    if (status != RSV_OK) return status;
     double share = all > 0 ? rsv_bake_map_sum(&map) / all : 0;
     return rsv_bake_close_seams(
         light, &b->layout, share * b->s->report.mean_irradiance, &map, NULL, &largest);
 }
 
-static rsv_status write_basis(const rsv_lightmap_bake *b, const char *output, size_t *lights)
+/// @param b its map becomes the sum of the lights
+static rsv_status write_basis(rsv_lightmap_bake *b, const char *output, size_t *lights)
 {
     size_t texels = (size_t)b->layout.map.width * b->layout.map.height;
-    rsv_bake_reader reader = rsv_bake_surface_reader("texel", NULL, texels);
-    reader.receiver = b;
-    reader.read = read_map;
+    rsv_bake_reader reader = rsv_bake_surface_reader("texel", b, texels, read_map);
+    reader.sum = b->layout.map.light;
     return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
 }
 
@@ -63,6 +86,33 @@ static rsv_status write_operator(const rsv_lightmap_bake *b, const char *output)
         b->s, "texel", map->receiver, (size_t)map->width * map->height, output);
 }
 
+static bool is_translucent(const rsv_light_view *s, const rsv_surface_place *place)
+{
+    uint32_t face = s->elements->face_of[place->back][place->triangle];
+    return face != RSV_NONE && rsv_is_translucent(s, face);
+}
+
+/// Shows the visitor the texels that surfaces have.
+static void show_texels(const rsv_lightmap_bake *b)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    const rsv_bake_map *map = &b->layout.map;
+    const rsv_bake_sheet sheet = sheet_of(b);
+    const uint32_t size[2] = { map->width, map->height };
+    for (uint32_t k = 0; k < map->width * map->height; k++) {
+        const uint32_t at[2] = { k % map->width, k / map->width };
+        rsv_bake_patch patch;
+        if (!(map->distance[k] < 0.5f) || !visitor->wants(visitor->user, at, size)) continue;
+        rsv_bake_texel_patch(&sheet, k, &patch);
+        const rsv_bake_value value = { .at = { at[0], at[1] },
+            .irradiance = map->light[k],
+            .place = patch.place,
+            .place_count = patch.count,
+            .translucent = is_translucent(b->s, patch.place) };
+        visitor->take(visitor->user, &value);
+    }
+}
+
 static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
 {
     report->charts = b->layout.charts.count;
@@ -70,7 +120,8 @@ static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
     report->map_height = b->layout.map.height;
     report->density = b->layout.density;
     report->coverage = rsv_bake_map_coverage(&b->layout.map);
-    report->light_scale = b->scale;
+    report->light_scale = b->scale / RSV_PI;
+    report->saturated = b->saturated;
     report->largest_seam = b->largest_seam;
 }
 
@@ -94,24 +145,35 @@ static void close_document(rsv_lightmap_bake *b)
     rsv_bake_document_close(&b->document);
 }
 
-/// Lights the map and closes its seams; charts where that fails get more texels.
-static rsv_status light_map(rsv_lightmap_bake *b)
+/// Gives charts whose seams do not close more texels. Light that elements store will do to find them.
+static rsv_status find_detail(rsv_lightmap_bake *b)
 {
     rsv_status status = RSV_OK;
     size_t charts = b->layout.charts.count;
     uint8_t *open = rsv_alloc(b->s->context, charts, 1);
     bool again = true;
     if (!open) return RSV_ERROR_MEMORY;
-    for (int round = 0; again; round++) {
+    for (int round = 0; again && round < MOST_REFINEMENTS; round++) {
         memset(open, 0, charts);
         rsv_bake_map_light(b->s, &b->layout.map);
         RSV_TRY(rsv_bake_close_seams(b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map,
             open, &b->largest_seam));
-        again = round < MOST_REFINEMENTS;
-        if (again) RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
+        RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
     }
 cleanup:
     rsv_free(b->s->context, open);
+    return status;
+}
+
+/// Lights the map and closes its seams.
+static rsv_status light_map(rsv_lightmap_bake *b)
+{
+    rsv_status status;
+    RSV_TRY(find_detail(b));
+    RSV_TRY(estimate_map(b, b->s, b->layout.map.light));
+    RSV_TRY(rsv_bake_close_seams(
+        b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map, NULL, &b->largest_seam));
+cleanup:
     return status;
 }
 
@@ -135,10 +197,11 @@ static rsv_status write_lightmap(const rsv_light_view *solution, const rsv_bake_
     RSV_TRY(open_document(&b));
     RSV_TRY(light_map(&b));
     warn_if_coarse(&b);
+    if (b.desc->basis && !b.desc->dry_run) RSV_TRY(write_basis(&b, output, &report->lights));
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
+    if (desc->visitor) show_texels(&b);
     if (b.desc->dry_run) goto cleanup;
-    if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
     if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));
     RSV_TRY(rsv_lightmap_bake_write(&b, output));
 cleanup:

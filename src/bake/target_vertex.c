@@ -1,9 +1,13 @@
 /// Light in the vertices of a glTF file.
+#include "../core/sampling.h"
+#include "../core/vec.h"
 #include "bake_basis.h"
 #include "bake_constants.h"
+#include "bake_lattice.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
+#include "bake_smooth.h"
 #include "bake_target.h"
 
 #include <string.h>
@@ -17,33 +21,89 @@ typedef struct vertex_bake {
     rsv_bake_parts parts;
     cJSON **primitive;   ///< [parts.count]
     rsv_bake_mesh *mesh; ///< [parts.count]; without vertices = carries no light
+    rsv_bake_smooth smooth;
+    float finest;  ///< metres: triangles are not divided below
+    float **old;   ///< [parts.count] colours that vertices had; NULL = white
+    size_t *width; ///< [parts.count] numbers in one of these
+    rsv_bake_receiver
+        *receiver; ///< [vertex_count] of all parts, as written; where a basis or an operator is
+    size_t vertex_count;
 } vertex_bake;
 
-static rsv_status tessellate(vertex_bake *b)
+/// Beside which errors are measured, W/m2.
+static float dark_of(const rsv_light_view *s) { return DARK * (float)s->report.mean_irradiance; }
+
+/// Divides all parts. @param tessellator out, [parts.count]; NULL = carries no light
+static rsv_status divide(vertex_bake *b, rsv_bake_tessellator **tessellator)
 {
     rsv_status status = RSV_OK;
     const rsv_light_view *s = b->s;
     rsv_bake_tessellation desc = { .tolerance = b->desc->tolerance,
-        .finest = s->elements->spacing / (float)(1 << s->desc.direct_levels),
-        .dark = DARK * 3 * (float)s->report.mean_irradiance };
+        .finest = b->finest,
+        .accuracy = {
+            f_min(b->desc->error, QUIET * b->desc->tolerance), dark_of(s), s->desc.seed } };
     for (size_t k = 0; k < b->parts.count; k++) {
         if (!rsv_bake_carries_light(s, &b->parts.part[k])) continue;
         desc.divide = rsv_bake_may_divide(b->primitive[k]);
-        RSV_TRY(rsv_bake_tessellate(s, &b->parts.part[k], &desc, &b->mesh[k]));
+        RSV_TRY(rsv_bake_tessellator_create(
+            &b->smooth.view, &b->parts.part[k], &desc, &b->mesh[k], &tessellator[k]));
         RSV_TRY(rsv_progress(s->context, "bake", (double)(k + 1) / (double)b->parts.count));
     }
 cleanup:
     return status;
 }
 
-/// The brightest vertex is 1: colours of vertices may not exceed that.
+/// Largest coordinate of the scene, for what rounding makes of coordinates.
+static float extent_of(const rsv_scene_view *view)
+{
+    float largest = 0;
+    for (size_t n = 0; n < view->vertex_count; n++)
+        largest = f_max(largest, v3_max_abs(view->position[n]));
+    return largest;
+}
+
+static rsv_status tessellate(vertex_bake *b)
+{
+    rsv_status status;
+    rsv_bake_borders borders = { .context = b->s->context };
+    float near = f_max(ON_EDGE * b->finest, ROUNDED * extent_of(b->s->scene.view));
+    rsv_bake_tessellator **tessellator =
+        rsv_alloc(b->s->context, b->parts.count, sizeof *tessellator);
+    RSV_TRY(tessellator ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(divide(b, tessellator));
+    for (size_t k = 0; k < b->parts.count; k++)
+        if (tessellator[k]) RSV_TRY(rsv_bake_tessellator_border(tessellator[k], &borders));
+    RSV_TRY(rsv_bake_borders_sort(&borders, near, 8 * b->finest));
+    for (size_t k = 0; k < b->parts.count; k++)
+        if (tessellator[k]) RSV_TRY(rsv_bake_tessellator_write(tessellator[k], &borders));
+cleanup:
+    for (size_t k = 0; tessellator && k < b->parts.count; k++)
+        rsv_bake_tessellator_destroy(tessellator[k]);
+    rsv_free(b->s->context, tessellator);
+    rsv_bake_borders_destroy(&borders);
+    return status;
+}
+
+/// What 1 stands for, as the radiance of a white surface: colours of vertices may not exceed that.
 static float find_scale(const vertex_bake *b)
 {
-    float most = 0;
+    float most = 0, white = UNLIT_WHITE * (float)b->s->report.mean_irradiance / PI_F;
+    if (b->desc->light_scale > 0) return b->desc->light_scale;
     for (size_t k = 0; k < b->parts.count; k++)
         for (size_t n = 0; n < b->mesh[k].vertex_count; n++)
             most = f_max(most, rgb_max(b->mesh[k].light[n]) / PI_F);
+    if (b->desc->unlit && white > 0) most = f_min(most, white);
     return most > 0 ? most : 1;
+}
+
+/// Share of the vertices that are brighter than 1.
+static double find_saturated(const vertex_bake *b, float scale)
+{
+    size_t brighter = 0, all = 0;
+    for (size_t k = 0; k < b->parts.count; k++)
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, all++)
+            brighter += rgb_max(b->mesh[k].light[n]) > PI_F * scale * SAME;
+    return all ? (double)brighter / (double)all : 0;
 }
 
 /// Vertices that keep the order of the file: those that no triangle uses stay dark.
@@ -81,11 +141,11 @@ static rsv_status settle(vertex_bake *b, size_t k)
 }
 
 /// COLOR_0: light times the colour that vertices had, which stays in the file as _COLOR, for those who change the light.
-/// @param old [vertex_count x width], NULL = white
-static rsv_status write_colors(
-    vertex_bake *b, size_t k, float scale, const float *old, size_t width)
+static rsv_status write_colors(vertex_bake *b, size_t k, float scale)
 {
     const rsv_bake_mesh *mesh = &b->mesh[k];
+    const float *old = b->old[k];
+    size_t width = b->width[k];
     cJSON *attributes = cJSON_GetObjectItemCaseSensitive(b->primitive[k], "attributes");
     float *color = rsv_alloc(b->s->context, mesh->vertex_count, width * sizeof *color);
     if (!color) return RSV_ERROR_MEMORY;
@@ -106,19 +166,17 @@ static rsv_status write_colors(
     return RSV_OK;
 }
 
-static rsv_status write_part(vertex_bake *b, size_t k, float scale)
+/// Puts the vertices of a part into the file, but for their light.
+static rsv_status write_part(vertex_bake *b, size_t k)
 {
     rsv_status status;
     const rsv_bake_part *part = &b->parts.part[k];
-    float *old;
-    size_t width;
-    RSV_TRY(rsv_bake_read_colors(&b->document, b->primitive[k], part, &b->mesh[k], &old, &width));
+    RSV_TRY(rsv_bake_read_colors(
+        &b->document, b->primitive[k], part, &b->mesh[k], &b->old[k], &b->width[k]));
     if (b->mesh[k].changed)
         RSV_TRY(rsv_bake_replace_vertices(&b->document, b->primitive[k], part, &b->mesh[k]));
     RSV_TRY(settle(b, k));
-    RSV_TRY(write_colors(b, k, scale, old, width));
 cleanup:
-    rsv_free(b->s->context, old);
     return status;
 }
 
@@ -175,47 +233,138 @@ static void mark_lit(vertex_bake *b)
     }
 }
 
+static rsv_status write_parts(vertex_bake *b)
+{
+    rsv_status status;
+    b->old = rsv_alloc(b->s->context, b->parts.count, sizeof *b->old);
+    b->width = rsv_alloc(b->s->context, b->parts.count, sizeof *b->width);
+    RSV_TRY(b->old && b->width ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < b->parts.count; k++)
+        if (b->mesh[k].vertex_count) RSV_TRY(write_part(b, k));
+    mark_lit(b);
+cleanup:
+    return status;
+}
+
 static rsv_status write_light(vertex_bake *b, float scale)
 {
     rsv_status status = RSV_OK;
     for (size_t k = 0; k < b->parts.count; k++) {
         if (!b->mesh[k].vertex_count) continue;
-        RSV_TRY(write_part(b, k, scale));
+        RSV_TRY(write_colors(b, k, scale));
         if (b->desc->unlit) mark_unlit(b, b->primitive[k], &b->parts.part[k]);
     }
-    mark_lit(b);
     write_scale(&b->document, scale);
 cleanup:
     return status;
 }
 
-/// What the runtime takes: vertex after vertex of all that carries light, in the order of the file's nodes.
-static rsv_status write_for_runtime(vertex_bake *b, const char *output, size_t *lights)
+/// Lists the vertices one after the other, in the order of the file's nodes.
+static rsv_status list_receivers(vertex_bake *b)
 {
-    rsv_status status = RSV_OK;
-    size_t count = 0, at = 0;
+    size_t at = 0;
     for (size_t k = 0; k < b->parts.count; k++)
-        count += b->mesh[k].vertex_count;
-    rsv_bake_receiver *all = rsv_alloc(b->s->context, count, sizeof *all);
-    RSV_TRY(all ? RSV_OK : RSV_ERROR_MEMORY);
+        b->vertex_count += b->mesh[k].vertex_count;
+    b->receiver = rsv_alloc(b->s->context, b->vertex_count, sizeof *b->receiver);
+    if (!b->receiver) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < b->parts.count; k++) {
         const rsv_bake_mesh *mesh = &b->mesh[k];
         if (!mesh->vertex_count) continue;
-        memcpy(all + at, mesh->receiver, mesh->vertex_count * sizeof *all);
+        memcpy(b->receiver + at, mesh->receiver, mesh->vertex_count * sizeof *mesh->receiver);
         at += mesh->vertex_count;
     }
-    const rsv_bake_reader reader = rsv_bake_surface_reader("vertex", all, count);
-    if (b->desc->basis) RSV_TRY(rsv_bake_write_basis(b->s, &reader, b->desc, output, lights));
-    if (b->desc->operator_file)
-        RSV_TRY(rsv_bake_write_operator(b->s, reader.kind, all, count, output));
-cleanup:
-    rsv_free(b->s->context, all);
+    return RSV_OK;
+}
+
+/// Light of one source at all vertices.
+static rsv_status read_vertices(
+    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
+{
+    const vertex_bake *b = reader->receiver;
+    float error = b->desc->error * dark_of(b->s);
+    rsv_bake_smooth smooth;
+    rsv_bake_lamps lamps = { .light = &smooth.view };
+    rsv_status status = rsv_bake_smooth_create(light, &smooth);
+    if (status == RSV_OK)
+        status = rsv_bake_sources_create(light->context, light->lights, &lamps.sources);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(light->context))
+    for (size_t n = 0; n < b->vertex_count; n++) {
+        rsv_bake_patch patch;
+        bool shown = status == RSV_OK && b->receiver[n].triangle != RSV_NONE &&
+                     !rsv_cancelled(light->context);
+        value[n] = rgb_gray(0);
+        if (!shown) continue;
+        rsv_bake_vertex_patch(&smooth.view, &b->receiver[n], b->finest, &patch);
+        value[n] = rsv_bake_light_patch(
+            &lamps, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
+    }
+    rsv_bake_sources_destroy(&lamps.sources);
+    rsv_bake_smooth_destroy(&smooth);
+    if (status == RSV_OK && rsv_cancelled(light->context)) status = RSV_ERROR_CANCELLED;
     return status;
+}
+
+/// Writes what each light does; vertices become the sums of it.
+static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights)
+{
+    rsv_bake_reader reader = rsv_bake_surface_reader("vertex", b, b->vertex_count, read_vertices);
+    rsv_rgb *sum = rsv_alloc(b->s->context, b->vertex_count, sizeof *sum);
+    if (!sum) return RSV_ERROR_MEMORY;
+    reader.sum = sum;
+    rsv_status status = rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
+    size_t at = 0;
+    for (size_t k = 0; k < b->parts.count && status == RSV_OK; k++) {
+        if (!b->mesh[k].vertex_count) continue;
+        memcpy(b->mesh[k].light, sum + at, b->mesh[k].vertex_count * sizeof *sum);
+        at += b->mesh[k].vertex_count;
+    }
+    rsv_free(b->s->context, sum);
+    return status;
+}
+
+/// The files for the runtime.
+static rsv_status write_for_runtime(vertex_bake *b, const char *output, size_t *lights)
+{
+    rsv_status status;
+    RSV_TRY(list_receivers(b));
+    if (b->desc->basis) RSV_TRY(write_basis(b, output, lights));
+    if (b->desc->operator_file)
+        RSV_TRY(rsv_bake_write_operator(b->s, "vertex", b->receiver, b->vertex_count, output));
+cleanup:
+    return status;
+}
+
+static void show_vertex(const vertex_bake *b, const rsv_bake_mesh *mesh, size_t n, uint32_t index)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    rsv_bake_patch patch;
+    rsv_bake_vertex_patch(b->s, &mesh->receiver[n], b->finest, &patch);
+    const rsv_bake_value value = { .at = { index, 0 },
+        .irradiance = mesh->light[n],
+        .place = patch.place,
+        .place_count = patch.count,
+        .translucent = !rsv_bake_is_sampled(b->s, &patch.place[0]) };
+    visitor->take(visitor->user, &value);
+}
+
+/// Shows the visitor the vertices that triangles use.
+static void show_vertices(const vertex_bake *b)
+{
+    const rsv_bake_visitor *visitor = b->desc->visitor;
+    uint32_t size[2] = { 0, 1 }, at[2] = { 0, 0 };
+    for (size_t k = 0; k < b->parts.count; k++)
+        size[0] += (uint32_t)b->mesh[k].vertex_count;
+    for (size_t k = 0; k < b->parts.count; k++)
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, at[0]++)
+            if (b->mesh[k].receiver[n].triangle != RSV_NONE &&
+                visitor->wants(visitor->user, at, size))
+                show_vertex(b, &b->mesh[k], n, at[0]);
 }
 
 static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
 {
     report->light_scale = scale;
+    report->saturated = find_saturated(b, scale);
     for (size_t k = 0; k < b->parts.count; k++) {
         report->vertices += b->mesh[k].vertex_count;
         report->triangles += b->mesh[k].triangle_count;
@@ -223,33 +372,60 @@ static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *repo
     }
 }
 
+static rsv_status open_document(vertex_bake *b)
+{
+    rsv_status status;
+    RSV_TRY(rsv_bake_check_operator(b->s, b->desc));
+    RSV_TRY(rsv_bake_document_open(b->s->scene.scene, &b->document));
+    RSV_TRY(rsv_bake_parts_create(&b->document, b->s, &b->parts));
+    RSV_TRY(rsv_bake_separate(&b->document, &b->parts, &b->primitive));
+    RSV_TRY(rsv_bake_follow_relight(b->s, &b->parts, b->primitive, &b->document));
+    RSV_TRY(rsv_bake_smooth_create(b->s, &b->smooth));
+    b->mesh = rsv_alloc(b->s->context, b->parts.count, sizeof *b->mesh);
+    RSV_TRY(b->mesh ? RSV_OK : RSV_ERROR_MEMORY);
+cleanup:
+    return status;
+}
+
+static void close_document(vertex_bake *b)
+{
+    rsv_context *context = b->s->context;
+    for (size_t k = 0; b->mesh && k < b->parts.count; k++)
+        if (b->mesh[k].context) rsv_bake_mesh_destroy(&b->mesh[k]);
+    for (size_t k = 0; b->old && k < b->parts.count; k++)
+        rsv_free(context, b->old[k]);
+    rsv_free(context, b->mesh);
+    rsv_free(context, b->old);
+    rsv_free(context, b->width);
+    rsv_free(context, b->receiver);
+    rsv_free(context, b->primitive);
+    rsv_bake_smooth_destroy(&b->smooth);
+    rsv_bake_parts_destroy(&b->parts);
+    rsv_bake_document_close(&b->document);
+}
+
 static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_desc *desc,
     const char *output, rsv_bake_report *report)
 {
     rsv_status status;
-    vertex_bake b = { .s = solution, .desc = desc };
-    RSV_TRY(rsv_bake_check_operator(solution, b.desc));
-    RSV_TRY(rsv_bake_document_open(solution->scene.scene, &b.document));
-    RSV_TRY(rsv_bake_parts_create(&b.document, solution, &b.parts));
-    RSV_TRY(rsv_bake_separate(&b.document, &b.parts, &b.primitive));
-    RSV_TRY(rsv_bake_follow_relight(solution, &b.parts, b.primitive, &b.document));
-    b.mesh = rsv_alloc(solution->context, b.parts.count, sizeof *b.mesh);
-    RSV_TRY(b.mesh ? RSV_OK : RSV_ERROR_MEMORY);
+    vertex_bake b = { .s = solution,
+        .desc = desc,
+        .finest = solution->elements->spacing / (float)(1 << solution->desc.direct_levels) };
+    RSV_TRY(open_document(&b));
     RSV_TRY(tessellate(&b));
     float scale = find_scale(&b);
+    if (!desc->dry_run) {
+        RSV_TRY(write_parts(&b));
+        if (desc->basis || desc->operator_file)
+            RSV_TRY(write_for_runtime(&b, output, &report->lights));
+        scale = find_scale(&b);
+        RSV_TRY(write_light(&b, scale));
+    }
     fill_report(&b, scale, report);
-    if (b.desc->dry_run) goto cleanup;
-    RSV_TRY(write_light(&b, scale));
-    if (b.desc->basis || b.desc->operator_file)
-        RSV_TRY(write_for_runtime(&b, output, &report->lights));
-    RSV_TRY(rsv_bake_document_write(&b.document, output));
+    if (desc->visitor) show_vertices(&b);
+    if (!desc->dry_run) RSV_TRY(rsv_bake_document_write(&b.document, output));
 cleanup:
-    for (size_t k = 0; b.mesh && k < b.parts.count; k++)
-        if (b.mesh[k].context) rsv_bake_mesh_destroy(&b.mesh[k]);
-    rsv_free(solution->context, b.mesh);
-    rsv_free(solution->context, b.primitive);
-    rsv_bake_parts_destroy(&b.parts);
-    rsv_bake_document_close(&b.document);
+    close_document(&b);
     return status;
 }
 

@@ -1,4 +1,3 @@
-#include "../reference/surface_light.h"
 #include "../solve/light.h"
 #include "moments.h"
 #include "point_density.h"
@@ -62,7 +61,7 @@ rsv_status rsv_truth_create(
     seed = rsv_hash2(seed, SEED_OF_TRUTH);
     RSV_TRY(place_points(s, points, seed, truth));
     for (uint32_t half = 0; half < 2; half++)
-        RSV_TRY(rsv_surface_light_reference(s->scene.scene, truth->place, truth->count, paths,
+        RSV_TRY(rsv_surface_reference(s->scene.scene, truth->place, truth->count, paths,
             rsv_hash2(seed, 1 + half), truth->reading[half]));
     *result = truth;
     truth = NULL;

@@ -1,7 +1,6 @@
 #include "../core/core.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
-#include "surface_light.h"
 
 /// Independent randomisations of a reading; their spread is its standard error.
 #define GROUPS 32
@@ -179,7 +178,7 @@ rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes, 
         readings);
 }
 
-rsv_status rsv_surface_light_reference(const rsv_scene *scene, const rsv_surface_place *places,
+rsv_status rsv_surface_reference(const rsv_scene *scene, const rsv_surface_place *places,
     size_t count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings)
 {
     return measure(scene,

@@ -159,6 +159,24 @@ assert operator["__metadata__"]["receivers"] == basis["__metadata__"]["receivers
 TEXT
 succeeds info map.operator.safetensors
 refuses 2 'operator goes with --to vertex' bake two-rooms -o "$out/a.json" --to probes --operator
+refuses 2 'go with --to vertex or lightmap' bake two-rooms -o "$out/a.json" --to probes --light-scale 2
+# what is clipped is said; shared exponents hold it
+succeeds bake plain.glb -o "$out/clipped.glb" --to lightmap --quality draft --max-elements 300 --map-size 64 --light-scale 0.01 --ktx2
+says '^light scale 0.01 W'
+says '^clipped     [1-9].* of the texels'
+python3 - "$out/clipped" <<'TEXT' || complain "the KTX file is not what it should be"
+import struct, sys
+raw = open(sys.argv[1] + ".lightmap.ktx2", "rb").read()
+assert raw[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
+form, size, width, height = struct.unpack_from("<4I", raw, 12)
+descriptor, length = struct.unpack_from("<2I", raw, 48)
+at, count = struct.unpack_from("<2Q", raw, 80)
+assert (form, size, width) == (123, 4, 64) and count == 4 * width * height and len(raw) == at + count
+assert struct.unpack_from("<I", raw, descriptor)[0] == length and at == descriptor + length and at % 4 == 0
+code = [struct.unpack_from("<I", raw, at + 4 * k)[0] for k in range(width * height)]
+assert max((c & 511) * 2.0 ** ((c >> 27) - 24) for c in code) > 0.02 * 3.14159
+TEXT
+rm -f "$out"/*
 python3 "$here/change_box.py" marble plain.glb marble.glb || complain "no box can be made of marble"
 run bake marble.glb -o "$out/a.glb" --to vertex --operator --quality draft --max-elements 300
 ((status == 1)) || complain "an operator for run time takes marble"

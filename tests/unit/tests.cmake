@@ -16,6 +16,7 @@ rsv_add_test(file_source unit/test_file_source.c)
 rsv_add_test(fog unit/test_fog.c)
 rsv_add_test(plan unit/test_plan.c)
 rsv_add_test(bake unit/test_bake.c)
+rsv_add_test(bake_light unit/test_bake_light.c)
 rsv_add_test(bake_side unit/test_bake_side.c)
 rsv_add_test(document unit/test_document.c)
 rsv_add_test(bodies unit/test_bodies.c)
@@ -99,7 +100,7 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
+foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side bake_light scene frame texture render bodies
         plan random_scenes shadows update)
     rsv_add_part(${name} slow)
 endforeach()

@@ -1,0 +1,273 @@
+#include "bake_grid_light.h"
+
+#include "../core/sampling.h"
+#include "../core/vec.h"
+#include "bake_constants.h"
+#include "bake_filter.h"
+
+/// What few shadow rays of a patch found.
+typedef struct pilot {
+    float open, seen, choice; ///< of rsv_bake_estimate
+    float light;              ///< luminance of all
+    bool known;
+} pilot;
+
+typedef struct grid_light {
+    const rsv_light_view *s;
+    rsv_bake_lamps lamps; ///< of that
+    const rsv_bake_grid *grid;
+    const rsv_bake_accuracy *accuracy;
+    size_t count;
+    pilot *pilot;         ///< [count]
+    rsv_rgb *half[2];     ///< [count] of all that shadow rays find
+    rsv_rgb *filtered[2]; ///< [count] the same without noise
+    uint16_t *samples;    ///< [count] shadow rays of each half; 0 = what others found
+    rsv_rgb *light;       ///< [count] of the rest
+} grid_light;
+
+/// @param round other random numbers
+static rsv_bake_estimate look(grid_light *q, size_t k, uint32_t samples, uint32_t round)
+{
+    rsv_bake_patch patch;
+    uint32_t number = q->grid->patch(q->grid->user, k, &patch);
+    rsv_bake_estimate e = rsv_bake_estimate_patch(
+        &q->lamps, &patch, samples, rsv_hash3(q->accuracy->seed, number, round));
+    q->light[k] = q->grid->sampled_only ? rgb_gray(0) : e.stored;
+    q->samples[k] = (uint16_t)samples;
+    q->half[0][k] = rgb_add(e.half[0], e.punctual);
+    q->half[1][k] = rgb_add(e.half[1], e.punctual);
+    return e;
+}
+
+// ---- patches between others -----------------------------------------------------------------------
+
+/// Patches beside one in even columns and rows, which may stand for it; 0 if it stands for itself.
+static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
+{
+    const rsv_bake_grid *grid = q->grid;
+    uint32_t x = (uint32_t)(at % grid->width), y = (uint32_t)(at / grid->width), count = 0;
+    if (x % 2 == 0 && y % 2 == 0) return 0;
+    for (uint32_t b = y - y % 2; b <= y + y % 2; b += 2)
+        for (uint32_t a = x - x % 2; a <= x + x % 2; a += 2) {
+            size_t n = (size_t)b * grid->width + a;
+            if (a >= grid->width || b >= grid->height || grid->group[n] != grid->group[at])
+                return 0;
+            lead[count++] = n;
+        }
+    return count;
+}
+
+/// Means over the patches around that pilots were sent from: one that asked itself alone would stop where its few rays happen
+/// to agree.
+static pilot look_around(const grid_light *q, size_t at)
+{
+    const rsv_bake_grid *grid = q->grid;
+    long x = (long)(at % grid->width), y = (long)(at / grid->width);
+    pilot mean = { 0, 0, 0, 0, true };
+    float count = 0;
+    for (long b = y - PILOT_REACH; b <= y + PILOT_REACH; b++)
+        for (long a = x - PILOT_REACH; a <= x + PILOT_REACH; a++) {
+            if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
+            size_t n = (size_t)b * grid->width + (size_t)a;
+            const pilot *p = &q->pilot[n];
+            if (grid->group[n] != grid->group[at] || !p->known) continue;
+            mean.open += p->open;
+            mean.seen += p->open * p->seen;
+            mean.choice += p->choice;
+            mean.light += p->light;
+            count++;
+        }
+    mean.seen = mean.open > 0 ? mean.seen / mean.open : 0;
+    mean.open /= count;
+    mean.choice /= count;
+    mean.light /= count;
+    return mean;
+}
+
+/// Whether sources are seen in part.
+static bool is_mixed(const pilot *p) { return p->seen > 0 && p->seen < 1; }
+
+/// Takes the mean of the patches beside a patch, if no shadow ends there and light does not change quickly.
+static bool interpolate(grid_light *q, size_t at, const size_t *lead, uint32_t count)
+{
+    const pilot around = look_around(q, at);
+    float low = INFINITY, high = 0;
+    rsv_rgb mean[2] = { rgb_gray(0), rgb_gray(0) };
+    if (is_mixed(&around)) return false;
+    for (uint32_t k = 0; k < count; k++) {
+        float luminance = 0;
+        for (int h = 0; h < 2; h++) {
+            mean[h] = rgb_mad(mean[h], 1 / (float)count, q->half[h][lead[k]]);
+            luminance += 0.5f * rgb_luminance(q->half[h][lead[k]]);
+        }
+        low = f_min(low, luminance);
+        high = f_max(high, luminance);
+    }
+    if (high - low > MOST_SLOPE * f_max(around.light, q->accuracy->dark)) return false;
+    q->half[0][at] = mean[0];
+    q->half[1][at] = mean[1];
+    if (q->grid->sampled_only) return true;
+    rsv_bake_patch patch;
+    q->grid->patch(q->grid->user, at, &patch);
+    q->light[at] = rsv_bake_stored_mean(q->s, &patch);
+    return true;
+}
+
+// ---- shadow rays ----------------------------------------------------------------------------------
+
+static void take_pilots(grid_light *q)
+{
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
+    for (size_t k = 0; k < q->count; k++) {
+        size_t lead[4];
+        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(q->s->context) ||
+            find_leads(q, k, lead) > 0)
+            continue;
+        rsv_bake_estimate e = look(q, k, q->grid->pilot_samples, 0);
+        q->pilot[k] =
+            (pilot){ e.open, e.seen, e.choice, rgb_luminance(rsv_bake_estimate_total(&e)), true };
+    }
+}
+
+/// Shadow rays of each half that the wanted error takes; 0 = those of the pilot will do.
+static uint32_t wanted_samples(const grid_light *q, size_t at)
+{
+    const pilot p = look_around(q, at);
+    float by_shadow = p.open * p.open * f_max(p.seen * (1 - p.seen), 0);
+    float variance = STRATIFIED * (by_shadow + p.choice);
+    if (!(variance > 0)) return 0;
+    float deviation = FILTER_GAIN * q->accuracy->error * f_max(p.light, q->accuracy->dark);
+    float samples = 0.5f * variance / (deviation * deviation);
+    if (!is_mixed(&p) && samples <= (float)q->grid->pilot_samples) return 0;
+    return (uint32_t)f_min(f_max(samples, LEAST_SAMPLES), MOST_LIGHT_SAMPLES);
+}
+
+/// Of patches that stand for themselves, or of those between them.
+static rsv_status send_rays(grid_light *q, bool between)
+{
+    rsv_context *context = q->s->context;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
+    for (size_t k = 0; k < q->count; k++) {
+        size_t lead[4];
+        if (rsv_thread_index() == 0 && k % 64 == 0)
+            rsv_progress(context, "bake", (double)k / (double)q->count);
+        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(context)) continue;
+        uint32_t leads = find_leads(q, k, lead);
+        if ((leads > 0) != between || (between && interpolate(q, k, lead, leads))) continue;
+        uint32_t samples = wanted_samples(q, k);
+        if (samples == 0 && between) samples = q->grid->pilot_samples;
+        if (samples > 0) look(q, k, samples, 1); // independent of the pilot, which chose how many
+    }
+    return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
+}
+
+// ---- what is left of noise ------------------------------------------------------------------------
+
+/// Standard error of a patch, relative: half the difference of the halves, in the mean of squares over its neighbours.
+static float error_around(const grid_light *q, size_t at)
+{
+    const rsv_bake_grid *grid = q->grid;
+    long x = (long)(at % grid->width), y = (long)(at / grid->width);
+    float squares = 0, count = 0;
+    for (long b = y - 1; b <= y + 1; b++)
+        for (long a = x - 1; a <= x + 1; a++) {
+            if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
+            size_t n = (size_t)b * grid->width + (size_t)a;
+            if (grid->group[n] != grid->group[at] || q->samples[n] == 0) continue;
+            float difference = rgb_luminance(q->filtered[0][n]) - rgb_luminance(q->filtered[1][n]);
+            squares += 0.25f * difference * difference;
+            count++;
+        }
+    rsv_rgb sampled = rgb_scale(rgb_add(q->filtered[0][at], q->filtered[1][at]), 0.5f);
+    float light = rgb_luminance(rgb_add(q->light[at], sampled));
+    return sqrtf(squares / f_max(count, 1)) / f_max(light, q->accuracy->dark);
+}
+
+/// Sends four times the shadow rays where the error is larger than that of most patches may be. @return of how many
+static size_t refine(grid_light *q, uint32_t round)
+{
+    rsv_context *context = q->s->context;
+    size_t refined = 0;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : refined)
+    for (size_t k = 0; k < q->count; k++) {
+        if (q->grid->group[k] == RSV_NONE || q->samples[k] == 0 ||
+            q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(context) ||
+            error_around(q, k) <= LARGEST_DEVIATION * q->accuracy->error)
+            continue;
+        uint32_t samples = 4u * q->samples[k];
+        if (samples > MOST_REFINED_SAMPLES) samples = MOST_REFINED_SAMPLES;
+        look(q, k, samples, 2 + round);
+        refined++;
+    }
+    return refined;
+}
+
+static rsv_status quieten(grid_light *q)
+{
+    rsv_status status;
+    const rsv_bake_grid *grid = q->grid;
+    const rsv_bake_noisy_map noisy = { grid->width, grid->height, grid->group,
+        { q->half[0], q->half[1] }, { q->filtered[0], q->filtered[1] } };
+    size_t refined = 1;
+    RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    for (uint32_t round = 0; round < LIGHT_REFINEMENTS && refined > 0; round++) {
+        refined = refine(q, round);
+        if (refined > 0) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    }
+cleanup:
+    return status;
+}
+
+static rsv_status estimate(grid_light *q)
+{
+    rsv_status status;
+    take_pilots(q);
+    RSV_TRY(send_rays(q, false));
+    RSV_TRY(send_rays(q, true));
+    bool noisy = rsv_lights_any_sampled(q->s->lights) || q->s->lights->punctual_tree;
+    if (noisy) RSV_TRY(quieten(q));
+    rsv_rgb *const *half = noisy ? q->filtered : q->half;
+    for (size_t k = 0; k < q->count; k++)
+        q->light[k] = rgb_positive(rgb_mad(q->light[k], 0.5f, rgb_add(half[0][k], half[1][k])));
+cleanup:
+    return status;
+}
+
+static void free_arrays(grid_light *q)
+{
+    rsv_context *context = q->s->context;
+    rsv_bake_sources_destroy(&q->lamps.sources);
+    rsv_free(context, q->pilot);
+    rsv_free(context, q->samples);
+    for (int h = 0; h < 2; h++) {
+        rsv_free(context, q->half[h]);
+        rsv_free(context, q->filtered[h]);
+    }
+}
+
+rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *grid,
+    const rsv_bake_accuracy *accuracy, rsv_rgb *light)
+{
+    rsv_status status;
+    grid_light q = { .s = s,
+        .grid = grid,
+        .accuracy = accuracy,
+        .count = (size_t)grid->width * grid->height,
+        .light = light };
+    q.pilot = rsv_alloc(s->context, q.count, sizeof *q.pilot);
+    q.samples = rsv_alloc(s->context, q.count, sizeof *q.samples);
+    bool allocated = q.pilot && q.samples;
+    for (int h = 0; h < 2; h++) {
+        q.half[h] = rsv_alloc(s->context, q.count, sizeof *q.half[h]);
+        q.filtered[h] = rsv_alloc(s->context, q.count, sizeof *q.filtered[h]);
+        allocated = allocated && q.half[h] && q.filtered[h];
+    }
+    for (size_t k = 0; k < q.count; k++)
+        light[k] = rgb_gray(0);
+    q.lamps.light = s;
+    RSV_TRY(rsv_bake_sources_create(s->context, s->lights, &q.lamps.sources));
+    status = allocated ? estimate(&q) : RSV_ERROR_MEMORY;
+cleanup:
+    free_arrays(&q);
+    return status;
+}

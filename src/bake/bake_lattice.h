@@ -1,0 +1,36 @@
+/// Light that shadow rays find, on regular grids of points over the triangles of a part.
+#ifndef RSV_BAKE_LATTICE_H
+#define RSV_BAKE_LATTICE_H
+
+#include "bake_grid_light.h"
+
+#define RSV_BAKE_DEEPEST 9 ///< halvings of a triangle's sides at most
+
+/// Of a triangle divided `depth` times, point (i, j) has the weights i and j over 2^depth of the file's corners 1 and 2.
+typedef struct rsv_bake_lattices {
+    rsv_context *context;
+    const rsv_light_view *s;
+    const rsv_bake_part *part;
+    float finest;   ///< metres
+    uint8_t *depth; ///< [triangle_count]
+    size_t *first;  ///< [triangle_count] its point (0, 0); the next row is `width` further
+    uint32_t width, height;
+    uint32_t *group; ///< [height * width] triangle; RSV_NONE = none
+    rsv_rgb *light;  ///< [height * width]
+} rsv_bake_lattices;
+
+/// @param finest metres: sides are not halved below @param divide whether they are at all
+rsv_status rsv_bake_lattices_create(const rsv_light_view *solution, const rsv_bake_part *part,
+    float finest, bool divide, rsv_bake_lattices *lattices);
+void rsv_bake_lattices_destroy(rsv_bake_lattices *lattices);
+
+rsv_status rsv_bake_lattices_light(rsv_bake_lattices *lattices, const rsv_bake_accuracy *accuracy);
+
+/// Light there, linear between points. @param w1, w2 weights of the file's corners 1 and 2
+rsv_rgb rsv_bake_lattices_at(const rsv_bake_lattices *lattices, uint32_t t, float w1, float w2);
+
+/// What a vertex stands for: places around it on its triangle, as far as half the finest cells.
+void rsv_bake_vertex_patch(const rsv_light_view *solution, const rsv_bake_receiver *receiver,
+    float finest, rsv_bake_patch *patch);
+
+#endif

@@ -1,0 +1,44 @@
+/// Sources as patches see them: emitters chosen by the light that they would give there without shadows, however many they are.
+///
+/// Elsewhere a tree chooses among many emitters (sources/light_tree.h), which takes less time for each receiver but knows less:
+/// the choice alone is noise, where all of a bulb of hundreds of triangles is seen. Patches send many shadow rays each, so
+/// that weighing every emitter pays.
+#ifndef RSV_BAKE_SOURCES_H
+#define RSV_BAKE_SOURCES_H
+
+#include "../receiver/next_event.h"
+
+#define RSV_BAKE_WEIGHED                                                                           \
+    1024 ///< emitters that are weighed at most; where there are more, the tree chooses
+
+/// All emitters that shadow rays are sent to, laid out for passes over them.
+typedef struct rsv_bake_sources {
+    rsv_context *context;
+    const rsv_lights *lights;
+    uint32_t count; ///< 0 = the tree chooses, or there are none
+    /// [count] each: middle; front normal times area; radius around the middle; radiance; 1 = both sides emit
+    float *x, *y, *z, *nx, *ny, *nz, *radius, *r, *g, *b, *both;
+} rsv_bake_sources;
+
+/// What one receiver gets of them.
+typedef struct rsv_bake_weights {
+    rsv_local_lights local;         ///< suns and sky; where the tree chooses, all
+    float emitters;                 ///< probability of choosing an emitter
+    float sum;                      ///< of the luminance that emitters would give
+    float weight[RSV_BAKE_WEIGHED]; ///< that of each emitter and of all before it
+    rsv_rgb unshadowed;             ///< irradiance of all that is weighed
+} rsv_bake_weights;
+
+rsv_status rsv_bake_sources_create(
+    rsv_context *context, const rsv_lights *lights, rsv_bake_sources *sources);
+void rsv_bake_sources_destroy(rsv_bake_sources *sources);
+
+void rsv_bake_weigh(
+    const rsv_bake_sources *sources, const rsv_receiver *receiver, rsv_bake_weights *weights);
+
+/// As rsv_next_event_draw.
+void rsv_bake_draw(const rsv_bake_sources *sources, const rsv_bake_weights *weights,
+    const rsv_receiver *receiver, const rsv_entrance *entrance, const float u[3],
+    rsv_next_event *event);
+
+#endif
