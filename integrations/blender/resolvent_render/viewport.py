@@ -74,6 +74,33 @@ def same_place(a, b):
     return a["kind"] == b["kind"] and all(np.allclose(a[k], b[k], atol=1e-6) for k in keys if k in a and k in b)
 
 
+def shown_part(file, primitive, matrix):
+    """What is drawn of a primitive: positions in world space, triangles, receivers (-1 = none), base colours, emission."""
+    attributes, material = primitive["attributes"], file.document["materials"][primitive["material"]]
+    positions = file.accessor(attributes["POSITION"]) @ matrix[:3, :3].T + matrix[:3, 3]
+    first = primitive.get("extras", {}).get("resolvent_first_receiver")
+    colours = np.broadcast_to(material["pbrMetallicRoughness"].get("baseColorFactor", (1, 1, 1, 1))[:3], positions.shape)
+    if "_COLOR" in attributes:
+        colours = colours * file.accessor(attributes["_COLOR"])[:, :3]
+    strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1)
+    emission = strength * np.array(material.get("emissiveFactor", (0, 0, 0)))
+    return {"positions": positions, "triangles": file.accessor(primitive["indices"]).reshape(-1, 3),
+            "receivers": np.full(len(positions), -1) if first is None else first + np.arange(len(positions)),
+            "colours": colours, "glow": np.broadcast_to(emission, positions.shape)}
+
+
+def shown_parts(file):
+    """All primitives but those of lamps."""
+    for node in file.document["nodes"]:
+        if "mesh" not in node:
+            continue
+        matrix = np.array(node.get("matrix", np.eye(4).ravel())).reshape(4, 4).T
+        for primitive in file.document["meshes"][node["mesh"]]["primitives"]:
+            own = file.document["materials"][primitive["material"]].get("extras", {}).get("resolvent", {})
+            if own.get("camera_emission") != 0:
+                yield shown_part(file, primitive, matrix)
+
+
 class Solved:
     """The files of a solution, and the triangles that show it."""
 
@@ -82,37 +109,13 @@ class Solved:
         self.basis = Basis(os.path.join(folder, "live.light.safetensors"))
         self.operator = Operator(os.path.join(folder, "live.operator.safetensors"))
         self.field, self.direct, self.frames_left = None, None, FRAMES
-        file = GlbFile(os.path.join(folder, "live.glb"))
-        positions, triangles, receivers, albedos, glow = [], [], [], [], []
-        count = 0
-        for node in file.document["nodes"]:
-            if "mesh" not in node:
-                continue
-            matrix = np.array(node.get("matrix", np.eye(4).T.ravel())).reshape(4, 4).T
-            for primitive in file.document["meshes"][node["mesh"]]["primitives"]:
-                material = file.document["materials"][primitive["material"]]
-                if material.get("extras", {}).get("resolvent", {}).get("camera_emission") == 0:
-                    continue  # a lamp
-                p = file.accessor(primitive["attributes"]["POSITION"]) @ matrix[:3, :3].T + matrix[:3, 3]
-                indices = file.accessor(primitive["indices"]).reshape(-1, 3)
-                first = primitive.get("extras", {}).get("resolvent_first_receiver")
-                colour = np.array(material["pbrMetallicRoughness"].get("baseColorFactor", (1, 1, 1, 1))[:3])
-                shown = np.broadcast_to(colour, p.shape)
-                if "_COLOR" in primitive["attributes"]:
-                    shown = shown * file.accessor(primitive["attributes"]["_COLOR"])[:, :3]
-                strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {})
-                emission = np.array(material.get("emissiveFactor", (0, 0, 0))) * strength.get("emissiveStrength", 1)
-                positions.append(p)
-                triangles.append(indices + count)
-                receivers.append(np.full(len(p), -1) if first is None else first + np.arange(len(p)))
-                albedos.append(shown)
-                glow.append(np.broadcast_to(emission, p.shape))
-                count += len(p)
-        self.positions = np.concatenate(positions).astype(np.float32)
-        self.triangles = np.concatenate(triangles).astype(np.int32)
-        self.receivers = np.concatenate(receivers)
-        self.albedo = np.concatenate(albedos).astype(np.float32) / np.float32(np.pi)
-        self.glow = np.concatenate(glow).astype(np.float32)
+        parts = list(shown_parts(GlbFile(os.path.join(folder, "live.glb"))))
+        starts = np.cumsum([0] + [len(part["positions"]) for part in parts])
+        join = lambda key: np.concatenate([part[key] for part in parts])  # noqa: E731
+        self.positions, self.receivers = join("positions").astype(np.float32), join("receivers")
+        self.albedo, self.glow = (join(key).astype(np.float32) for key in ("colours", "glow"))
+        self.albedo /= np.float32(np.pi)
+        self.triangles = np.concatenate([part["triangles"] + start for part, start in zip(parts, starts)]).astype(np.int32)
         self.tree = BVHTree.FromPolygons(self.positions.tolist(), self.triangles.tolist())
 
     def is_hidden(self, point, towards, distance):

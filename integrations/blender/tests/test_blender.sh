@@ -48,9 +48,10 @@ quick) run -P "$here/test_addon.py" -- "$work/out" quick ;;
 window)
     command -v xvfb-run >/dev/null || skip "xvfb-run is not installed"
     mkdir -p "${3:-$work/out}"
-    LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' blender --factory-startup --window-geometry 0 0 1280 800 \
+    LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' blender --factory-startup --enable-event-simulate \
+        --window-geometry 0 0 1280 800 \
         -P "$here/window.py" -- "${3:-$work/out}" >"$work/log" 2>&1 || { cat "$work/log" && exit 1; }
-    grep -E '^(solved|recoloured|moved|the window)' "$work/log"
+    grep -E '^(baked|solved|recoloured|moved|the window)' "$work/log"
     ;;
 cycles) run -P "$here/compare_cycles.py" -- "${3:-$work/out}" "${SAMPLES:-128}" ;;
 *) echo "error: '$kind' is none of quick, all, window, cycles" >&2 && exit 2 ;;

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel and the live viewport in a window: blender --factory-startup -P window.py -- FOLDER
+"""The panel, bakes and the live viewport in a window:
+blender --factory-startup --enable-event-simulate -P window.py -- FOLDER
 
 Writes panel.png, viewport-0.png (as solved), -1 (a lamp recoloured) and -2 (the lamp moved), and prints how long relighting
-took. Exit status 1 if nothing was drawn, or the viewport did not follow.
+took. Exit status 1 if a bake could not be cancelled or did not end, nothing was drawn, or the viewport did not follow.
 """
 import os
 import sys
@@ -45,6 +46,30 @@ def live():
     return viewport.LAST
 
 
+def bakes(scene):
+    """A bake that Esc cancels, and one that ends."""
+    window = bpy.context.window_manager.windows[0]
+    scene.resolvent.quality = "draft"
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area("VIEW_3D")):
+        assert bpy.ops.resolvent.bake("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield
+    window.event_simulate(type="ESC", value="PRESS", x=100, y=100)
+    window.event_simulate(type="ESC", value="RELEASE", x=100, y=100)
+    for _ in range(10):
+        yield
+    assert not any(ob.resolvent_before.is_baked for ob in scene.objects), "the bake was not cancelled"
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area("VIEW_3D")):
+        assert bpy.ops.resolvent.bake("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    start = time.time()
+    while not any(ob.resolvent_before.is_baked for ob in scene.objects):
+        assert time.time() < start + SECONDS, "the bake did not end"
+        yield
+    print(f"baked in {time.time() - start:.1f} s")
+    screenshot("panel.png")
+    assert bpy.ops.resolvent.restore() == {"FINISHED"}
+    yield
+
+
 def steps():
     """A generator: each yield lets Blender draw."""
     import resolvent_render  # noqa: F401
@@ -55,7 +80,7 @@ def steps():
     properties = area("PROPERTIES")
     properties.spaces.active.context = "RENDER"
     yield
-    screenshot("panel.png")
+    yield from bakes(scene)
     view = area("VIEW_3D")
     space = view.spaces.active
     space.region_3d.view_perspective = "CAMERA"
