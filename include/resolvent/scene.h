@@ -80,8 +80,10 @@ typedef struct rsv_material {
     rsv_rgb attenuation_color;  ///< colour that white light becomes after attenuation_distance
     float attenuation_distance; ///< metres; INFINITY = clear
     rsv_rgb emission;           ///< emitted radiance from the front, W/(sr m2)
-    bool double_sided;          ///< both sides scatter and emit alike
-    bool unlit; ///< shows base_color as radiance to the camera; black in light transport
+    /// Share of the emission that cameras see on straight lines, 0..1; default 1. Light and reflections have all of it.
+    float camera_emission;
+    bool double_sided; ///< both sides scatter and emit alike
+    bool unlit;        ///< shows base_color as radiance to the camera; black in light transport
 
     float clearcoat;           ///< share of a dielectric layer (ior 1.5) over everything else
     float clearcoat_roughness; ///< perceptual
@@ -157,6 +159,8 @@ typedef struct rsv_punctual_light {
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
     float outer_cone_angle; ///< radians, half angle; none outside (spot)
     float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
+    /// Between the cones, with t the ramp in the cosine: false = t^2 (KHR_lights_punctual), true = t^2 (3 - 2 t) (Blender).
+    bool smooth_cone;
 } rsv_punctual_light;
 
 typedef struct rsv_camera {
