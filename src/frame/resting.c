@@ -184,8 +184,8 @@ static void inherit(
 /// Up to 4x4 squares: sums over them, relative to what each shows.
 typedef struct pool {
     float samples, squares; ///< numbers of both; squares that have samples
-    float between;          ///< squares of what their means say beyond what they were given, by samples
-    float scatter;          ///< of samples around these means
+    float between; ///< squares of what their means say beyond what they were given, by samples
+    float scatter; ///< of samples around these means
 } pool;
 
 static void add_to_pool(const node *n, const rsv_resting_given *g, pool *p)
@@ -303,7 +303,8 @@ void rsv_resting_correct(const rsv_resting_tile *tile, float (*shown)[4])
 static void find_noise(const pyramid *p, rsv_resting_noise noise)
 {
     for (int k = 0; k < RSV_RESTING_BLOCKS; k++) {
-        int across = RSV_RESTING_SIDE / 4, first = k / across * 4 * RSV_RESTING_SIDE + k % across * 4;
+        int across = RSV_RESTING_SIDE / 4,
+            first = k / across * 4 * RSV_RESTING_SIDE + k % across * 4;
         float variance = 0;
         for (int n = 0; n < 16; n++)
             variance += p->given[0][first + n / 4 * RSV_RESTING_SIDE + n % 4].variance;

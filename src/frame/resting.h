@@ -17,7 +17,7 @@
 
 #define RSV_RESTING_SIDE 32 ///< pixels of a tile
 #define RSV_RESTING_PIXELS (RSV_RESTING_SIDE * RSV_RESTING_SIDE)
-#define RSV_RESTING_BLOCKS 64 ///< of 4x4 pixels in a tile
+#define RSV_RESTING_BLOCKS 64     ///< of 4x4 pixels in a tile
 #define RSV_RESTING_BLOCK_PATHS 4 ///< of a block in a frame at most
 
 /// Whole paths of a frame in one tile.
@@ -31,18 +31,19 @@ typedef struct rsv_resting_paths {
 
 /// A square of pixels: sums over its samples.
 typedef struct rsv_resting_node {
-    float difference[4];  ///< of paths from frames: red, green, blue; weights of samples
-    float square;         ///< of the luminance of each
+    float difference[4]; ///< of paths from frames: red, green, blue; weights of samples
+    float square;        ///< of the luminance of each
     float weight_square;
-    float shown;         ///< luminance of the pixels that may differ
-    float pixels;        ///< number of those
+    float shown;  ///< luminance of the pixels that may differ
+    float pixels; ///< number of those
 } rsv_resting_node;
 
 /// What a square takes over from the larger ones that it lies in.
 typedef struct rsv_resting_given {
     float correction[3];
-    float variance; ///< of one difference within squares of that size, over the square of what is shown
-    float shown;    ///< mean luminance where the correction comes from
+    float
+        variance; ///< of one difference within squares of that size, over the square of what is shown
+    float shown; ///< mean luminance where the correction comes from
 } rsv_resting_given;
 
 /// Standard deviations of paths in a tile's blocks, relative to what is shown; 0 where nothing may differ.
@@ -52,9 +53,9 @@ typedef float rsv_resting_noise[RSV_RESTING_BLOCKS];
 typedef struct rsv_resting_tile {
     float difference[RSV_RESTING_PIXELS][4]; ///< as in rsv_resting_node
     float square[RSV_RESTING_PIXELS], weight_square[RSV_RESTING_PIXELS];
-    uint16_t open[RSV_RESTING_BLOCKS];     ///< pixels that may differ, in any frame
-    uint32_t turns[RSV_RESTING_BLOCKS];    ///< pixels whose turn it was
-    float due[RSV_RESTING_BLOCKS];         ///< share of the next path
+    uint16_t open[RSV_RESTING_BLOCKS];  ///< pixels that may differ, in any frame
+    uint32_t turns[RSV_RESTING_BLOCKS]; ///< pixels whose turn it was
+    float due[RSV_RESTING_BLOCKS];      ///< share of the next path
     rsv_resting_noise noise;
     float rate;      ///< paths of a block and frame, over its noise
     uint32_t frames; ///< so far
