@@ -405,6 +405,34 @@ static void reused_light_goes_with_its_source(void **state)
 }
 
 /// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
+/// The mean of all channels of a moving frame's light, refreshed before each frame or not.
+static uint64_t hash_of_refreshed(rsv_light *solution, const world *w, bool refreshed)
+{
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    for (int k = 0; k < 12; k++) {
+        view.camera[0].position.x = 1e-3f * (float)k;
+        if (refreshed) rsv_frame_renderer_refresh(renderer);
+        render_frames(renderer, &view, 1);
+    }
+    uint64_t hash = hash_bytes(HASH_START, rsv_frame_pixels(renderer, 0), 4 * pixel_count);
+    rsv_frame_renderer_destroy(renderer);
+    return hash;
+}
+
+/// Light that has not changed is not dropped.
+static void reused_light_stays_with_its_sources(void **state)
+{
+    (void)state;
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    assert_true(hash_of_refreshed(solution, w, true) == hash_of_refreshed(solution, w, false));
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 static void tracing_alone_leaves_reused_light_as_it_was(void **state)
 {
     (void)state;
@@ -613,6 +641,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(reused_light_goes_with_its_source),
+        cmocka_unit_test(reused_light_stays_with_its_sources),
         cmocka_unit_test(tracing_alone_leaves_reused_light_as_it_was),
         cmocka_unit_test(reused_light_fits_windows_of_one_pixel),
     };
