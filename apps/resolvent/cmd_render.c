@@ -272,10 +272,11 @@ static bool check_request(const settings *s)
         return false;
     }
     if (!takes_the_film(s)) return false;
-    bool is_more = s->layers || s->noise > 0 || s->fstop > 0 || s->projection;
+    bool shifted = s->shift[0] != 0 || s->shift[1] != 0;
+    bool is_more = s->layers || s->noise > 0 || s->fstop > 0 || s->projection || shifted;
     if (s->gloss == RSV_GLOSS_REUSED && (s->mode != RSV_RENDER_OPERATOR || is_more)) {
-        cli_error("--gloss reused is for --mode operator, without --layers, --noise, --fstop and "
-                  "--projection");
+        cli_error("--gloss reused is for --mode operator, without --layers, --noise, --fstop, "
+                  "--shift-x, --shift-y and --projection");
         return false;
     }
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {

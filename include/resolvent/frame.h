@@ -105,7 +105,9 @@ RSV_API rsv_status rsv_frame_renderer_resize(
 /// @param layer RSV_NONE = all; 0 = emission, 1 = direct, 1 + n = n bounces
 RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t layer);
 
-/// Takes the solution's light over again after it has changed, and starts over. Costs about as much as a frame.
+/// Takes the solution's light over again after it has changed, and starts over. Costs about as much as a frame. Light of
+/// rough lobes that was kept from frames before counts the less the more the light has changed anywhere: not at all from a
+/// sixteenth on.
 RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
 
 /// Shows an object that moves, with its shadow, in all light but not in single layers; NULL = none. To be called again

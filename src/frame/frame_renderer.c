@@ -490,11 +490,10 @@ void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
     rsv_specular_media_refresh(&r->media);
-    forget_gloss(r, 1);
     for (int k = 0; k < r->thread_count; k++)
         rsv_specular_light_refresh(&r->worker[k].queue.light);
     if (r->table.glossy) rsv_glossy_materials_refresh(&r->materials);
-    rsv_light_table_bake(&r->table, r->table.layer);
+    forget_gloss(r, rsv_light_table_bake(&r->table, r->table.layer));
     rsv_frame_device_refresh(r->device);
     start_over(r);
 }

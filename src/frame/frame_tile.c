@@ -183,20 +183,23 @@ static void follow_whole(const tile *t, uint32_t pixel, uint32_t stage, uint32_t
     light->radiance = w->radiance;
 }
 
-/// At rest, one pixel of some blocks takes a whole path, where the table does not have all that it shows.
+/// At rest, some pixels of a block take whole paths, where the table does not have all that they show.
 static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
     rsv_tile_worker *w = t->worker;
-    uint32_t block = rsv_pixel_seed(t->tiling->seed, t->row + row, t->column + column);
-    int lane = rsv_resting_lane(t->eye->samples, block);
+    uint32_t block = row / RSV_BLOCK * (RSV_TILE / RSV_BLOCK) + column / RSV_BLOCK;
+    uint32_t seed = rsv_pixel_seed(t->tiling->seed, t->row + row, t->column + column);
     bool all = t->tiling->final || t->eye->medium.depth > 0;
     uint32_t open = all ? 0xffff : w->left[stage];
     for (int k = 0; k < RSV_PACKET_WIDTH; k++)
         if (w->packet[stage].triangle[k] == RSV_NONE) open &= ~(1u << k);
-    w->whole->open[row / RSV_BLOCK * (RSV_TILE / RSV_BLOCK) + column / RSV_BLOCK] = (uint16_t)open;
-    if (lane < 0 || !(open >> lane & 1)) return;
-    uint32_t x = column + (uint32_t)lane % RSV_BLOCK, y = row + (uint32_t)lane / RSV_BLOCK;
-    if (x < t->width && y < t->height) follow_whole(t, y * RSV_TILE + x, stage, (uint32_t)lane);
+    w->whole->open[block] = (uint16_t)open;
+    for (uint32_t left = rsv_resting_turns(w->resting, block); left > 0; left--) {
+        uint32_t lane = rsv_resting_lane(w->resting, block, seed);
+        uint32_t x = column + lane % RSV_BLOCK, y = row + lane / RSV_BLOCK;
+        if ((open >> lane & 1) && x < t->width && y < t->height)
+            follow_whole(t, y * RSV_TILE + x, stage, lane);
+    }
 }
 
 static void look_up_block(const tile *t, uint32_t block)
@@ -262,7 +265,7 @@ void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t index, float (*radiance
     for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
         for (int c = 0; c < 4; c++)
             radiance[k][c] = sum[k][c] * scale;
-    if (eye->resting && eye->samples > 1) rsv_resting_correct(&eye->resting[index], radiance, NULL);
+    if (eye->resting && eye->samples > 1) rsv_resting_correct(&eye->resting[index], radiance);
 }
 
 static void add_to_sum(const tile *t)
@@ -283,7 +286,7 @@ static void display_resting(const tile *t, uint32_t index)
     for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
         for (int c = 0; c < 4; c++)
             w->radiance[k][c] = t->sum[k][c] / (float)(t->eye->samples + 1);
-    rsv_resting_correct(&t->eye->resting[index], w->radiance, &t->eye->resting[index].sum);
+    rsv_resting_update(&t->eye->resting[index], w->radiance);
     tone.scale *= (float)(t->eye->samples + 1);
     tone.first = true;
     for (uint32_t y = 0; y < t->height; y++)
@@ -308,7 +311,8 @@ static void begin_whole(const tile *t, uint32_t index)
     rsv_eye_picture *eye = t->eye;
     t->worker->whole = NULL;
     if (!eye->resting || eye->samples == 0) return;
-    if (eye->samples == 1) memset(&eye->resting[index], 0, sizeof eye->resting[index]);
+    t->worker->resting = &eye->resting[index];
+    if (eye->samples == 1) rsv_resting_begin(t->worker->resting, rsv_hash2(t->tiling->seed, index));
     memset(&eye->whole[index], 0, sizeof eye->whole[index]);
     if (!t->tiling->mover) t->worker->whole = &eye->whole[index];
 }

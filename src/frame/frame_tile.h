@@ -23,6 +23,7 @@ typedef struct rsv_tile_worker {
     rsv_specular_queue queue;
     rsv_glossy_rays rays;
     rsv_resting_paths *whole; ///< of the tile in hand; NULL = none
+    rsv_resting_tile *resting;
     double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 

@@ -98,5 +98,5 @@ void rsv_glossy_cells_pace(rsv_glossy_cells *c, uint64_t poor)
 void rsv_glossy_cells_forget(rsv_glossy_cells *c, float change)
 {
     c->keep *= f_max(1 - 16 * change, 0);
-    c->poor_turn = MOST_POOR_TURN; // many cells may be
+    if (change > 0) c->poor_turn = MOST_POOR_TURN; // many cells may be
 }

@@ -148,6 +148,13 @@ static rsv_rgb other_met(const rsv_glossy_rays *r, uint32_t lane)
     return rgb_add(shown, rgb_mul(sent, even));
 }
 
+/// Metal: no light is stored there, so the ray goes on from it.
+static bool is_bare(const rsv_glossy_rays *r, uint32_t lane)
+{
+    uint32_t material = scene_of(r)->view->triangle_material[r->packet.triangle[lane]];
+    return r->table->glossy->material[material].bare;
+}
+
 static rsv_rgb light_met(const rsv_glossy_rays *r, uint32_t lane)
 {
     const rsv_ray_packet *p = &r->packet;
@@ -161,7 +168,7 @@ static rsv_rgb light_met(const rsv_glossy_rays *r, uint32_t lane)
     case RSV_SHOWN_STORED:
         return stored_met(r, lane);
     case RSV_SHOWN_GLOSSY:
-        return glossy_met(r, lane);
+        return is_bare(r, lane) ? other_met(r, lane) : glossy_met(r, lane);
     default:
         return other_met(r, lane);
     }

@@ -100,7 +100,25 @@ static rsv_rgb add_fields(
     return sum;
 }
 
-static void fill_cell(const rsv_face_walk *w, uint32_t index, const refined_cell *at)
+float rsv_light_change(const float before[3], const float after[3], float least)
+{
+    float change = 0, scale = least;
+    for (int c = 0; c < 3; c++) {
+        change = f_max(change, fabsf(after[c] - before[c]));
+        scale = f_max(scale, f_max(fabsf(before[c]), fabsf(after[c])));
+    }
+    return scale > 0 ? change / scale : 0;
+}
+
+static void set_corner(rsv_face_walk *w, rsv_rgb shown, float *out)
+{
+    const float after[3] = { shown.r, shown.g, shown.b };
+    w->change = f_max(w->change, rsv_light_change(out, after, w->least));
+    memcpy(out, after, sizeof after);
+    out[3] = 0;
+}
+
+static void fill_cell(rsv_face_walk *w, uint32_t index, const refined_cell *at)
 {
     rsv_rgb share = rgb_gray(0);
     if (w->detail)
@@ -112,8 +130,7 @@ static void fill_cell(const rsv_face_walk *w, uint32_t index, const refined_cell
         rsv_rgb irradiance = add_fields(w, w->sum, at, u, v);
         if (w->detail)
             irradiance = rgb_add(irradiance, rgb_mul(share, add_fields(w, w->detail, at, u, v)));
-        rsv_rgb shown = rgb_add(w->offset, rgb_mul(w->scale, irradiance));
-        out[0] = shown.r, out[1] = shown.g, out[2] = shown.b, out[3] = 0;
+        set_corner(w, rgb_add(w->offset, rgb_mul(w->scale, irradiance)), out);
     }
 }
 

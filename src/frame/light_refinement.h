@@ -33,10 +33,15 @@ typedef struct rsv_face_walk {
     const rsv_field_sum *detail; ///< of which only a share survives diffusion; NULL = none
     rsv_rgb scale, offset;       ///< radiance = offset + scale * irradiance
     rsv_light_cell *cell;        ///< the table, or NULL to count cells only
+    float least;                 ///< radiance below which changes count as if it were so much
+    float change;                ///< of the cells filled, relative, at most
     uint32_t grid_level;         ///< of the face: 2^level cells along an edge
     uint32_t grid;               ///< first cell of the face
     uint32_t next;               ///< first cell that is not in use yet
 } rsv_face_walk;
+
+/// The largest difference of a channel over the largest value, 0..1. @param least value
+float rsv_light_change(const float before[3], const float after[3], float least);
 
 rsv_face_walk rsv_face_walk_begin(const rsv_light_view *solution);
 

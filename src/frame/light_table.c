@@ -1,6 +1,7 @@
 #include "light_table.h"
 
 #include "light_refinement.h"
+#include "source_state.h"
 
 #include <string.h>
 
@@ -168,29 +169,54 @@ void rsv_light_table_destroy(rsv_light_table *t)
     *t = (rsv_light_table){ 0 };
 }
 
-static void bake_emission(rsv_light_table *t)
+/// A hundredth of the mean radiance, about: changes of what is darker are not seen.
+static float least_seen(const rsv_field_sum *fields)
 {
+    double mean = 0;
+    for (int f = 0; f < fields->count; f++) {
+        const rsv_stored_field *part = &fields->part[f];
+        double sum = 0;
+        for (size_t k = 0; k < part->elements->node_count; k++)
+            sum += (double)part->value[k].r + (double)part->value[k].g + (double)part->value[k].b;
+        mean += (double)part->sign * sum / (3 * (double)part->elements->node_count + 1);
+    }
+    return 0.01f / RSV_PI * f_max((float)mean, 0);
+}
+
+/// @return by how much any has changed
+static float bake_emission(rsv_light_table *t, float least)
+{
+    float change = 0;
     const rsv_bsdf *bsdf = t->solution->bsdf;
     for (uint32_t m = 0; m < t->solution->scene.view->material_count; m++) {
         bool shows = rsv_shows_emission(t) && (bsdf[m].emissive || bsdf[m].unlit);
         rsv_rgb e = shows ? bsdf[m].emission : rgb_gray(0);
+        const float emission[3] = { e.r, e.g, e.b };
+        change = f_max(change, rsv_light_change(t->cell[1 + m].corner[0], emission, least));
         for (int k = 0; k < 3; k++)
-            memcpy(t->cell[1 + m].corner[k], &e, sizeof e);
+            memcpy(t->cell[1 + m].corner[k], emission, sizeof emission);
     }
+    return change;
 }
 
-void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
+float rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 {
     const rsv_light_view *s = t->solution;
     t->layer = layer;
-    bake_emission(t);
     rsv_field_sum fields = shown_fields(s, layer), diffused = diffused_fields(s, layer),
                   detail = detail_fields(s, layer);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
+    float least = least_seen(&fields), change = bake_emission(t, least);
+    uint32_t sources = rsv_source_state(s);
+    if (sources != t->source_state) change = 1;
+    t->source_state = sources;
+#pragma omp parallel for schedule(dynamic, 64) reduction(max                                       \
+                                                         : change)                                 \
+    num_threads(rsv_threads(t->context))
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         uint32_t material = material_of_face(s, face);
         rsv_face_walk walk = rsv_face_walk_begin(s);
         bool translucent = rsv_is_translucent(s, face);
+        walk.least = least;
         walk.sum = translucent ? &diffused : &fields;
         walk.detail = translucent && detail.count ? &detail : NULL;
         walk.cell = t->cell;
@@ -201,7 +227,9 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
             memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
         }
         rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
+        change = f_max(change, walk.change);
     }
+    return change;
 }
 
 rsv_rgb rsv_shown_reflected(

@@ -24,6 +24,7 @@ typedef struct rsv_light_table {
     uint32_t
         *child; ///< [cell_count] rsv_light_cell_child of each, close together: what a descent reads
     size_t cell_count;
+    uint32_t source_state; ///< see rsv_source_state
 } rsv_light_table;
 
 /// @param glossy borrowed; NULL = all but plain diffuse surfaces are RSV_SHOWN_CHAIN
@@ -32,7 +33,9 @@ rsv_status rsv_light_table_create(
 void rsv_light_table_destroy(rsv_light_table *table);
 
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show
-void rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
+/// @return by how much a cell or an emission has changed at most, 0..1, relative to its larger value, or where that is less
+/// to a hundredth of the mean; 1 if sources that no surface shows have changed
+float rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
 
 /// Whether cells of the face hold the irradiance, and not all that is shown.
 bool rsv_holds_irradiance(const rsv_light_table *table, uint32_t face);
