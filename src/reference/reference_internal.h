@@ -5,7 +5,7 @@
 #include "../sources/lights.h"
 #include "../surface/medium.h"
 #include "../surface/surface.h"
-#include "fog_lights.h"
+#include "../sources/fog_lights.h"
 #include "resolvent/trace.h"
 #include "subsurface.h"
 

@@ -1,7 +1,8 @@
 #include "builder.h"
 
 #include "../core/team.h"
-#include "../elements/elements.h"
+#include "../elements/voxels.h"
+#include "../scene/scene.h"
 #include "budget.h"
 #include "budget_fill.h"
 #include "coarse_elements.h"
@@ -274,6 +275,28 @@ static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
     report->time_bvh = before->time_bvh;
 }
 
+/// Elements of the air, where there is fog. All of their points count.
+static rsv_status add_voxels(rsv_builder *b)
+{
+    rsv_voxels *voxels = NULL;
+    if (!rsv_fog_has_volume(b->scene.view->fog)) return RSV_OK;
+    rsv_status status =
+        rsv_voxels_create(&b->scene, b->desc.element_target, &b->report.rays, &voxels);
+    if (status != RSV_OK) return status;
+    size_t before = b->elements->node_count, after = before + voxels->count;
+    status = rsv_elements_add_voxels(b->elements, voxels);
+    uint16_t *valid_points = rsv_alloc(b->context, after, sizeof *valid_points);
+    if (!valid_points || status != RSV_OK) {
+        rsv_free(b->context, valid_points);
+        return RSV_ERROR_MEMORY;
+    }
+    if (before) memcpy(valid_points, b->valid_points, before * sizeof *valid_points);
+    memset(valid_points + before, 0xff, voxels->count * sizeof *valid_points);
+    rsv_free(b->context, b->valid_points);
+    b->valid_points = valid_points;
+    return RSV_OK;
+}
+
 // ---- all of it ------------------------------------------------------------------------------------
 
 static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
@@ -281,6 +304,7 @@ static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
     rsv_status status;
     double start = rsv_seconds(), path = rsv_team_path(b->context);
     RSV_TRY(create_elements(b));
+    RSV_TRY(add_voxels(b));
     uint32_t rays = rsv_reflects_diffusely(&b->scene) ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
     RSV_TRY(rsv_builder_trace(b, NULL, rays, op));
     RSV_TRY(rsv_operator_scatter(*op));
@@ -371,7 +395,9 @@ rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, r
 {
     rsv_builder b;
     rsv_light *light = NULL;
-    rsv_status status = begin(scene, desc, &b);
+    rsv_status status = store || earlier ? rsv_scene_refuse_fog(scene, "what updates and checkpoints keep") : RSV_OK;
+    if (status != RSV_OK) return status;
+    status = begin(scene, desc, &b);
     b.update.store = store;
     b.update.earlier = earlier;
     if (status == RSV_OK) status = build(&b, &light);

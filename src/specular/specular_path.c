@@ -1,3 +1,4 @@
+#include "fog_flight.h"
 #include "specular_path_body.h"
 
 /// Radiance emitted along the specular path by its surface, as far as that covers.
@@ -18,11 +19,23 @@ bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random)
     return true;
 }
 
+/// Where no surface ends it.
+static rsv_gather end_gather(const rsv_transport_scene *scene, rsv_gather *gather,
+    const rsv_specular_path *path, rsv_specular_end end)
+{
+    gather->path = *path;
+    gather->path.weight = rsv_specular_throughput(scene, path, &path->medium);
+    gather->end = end;
+    return *gather;
+}
+
 rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, rsv_emission_filter filter, const void *user)
 {
     rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
     for (;;) {
+        if (rsv_specular_lands(scene, &path, false, random, &gather.place))
+            return end_gather(scene, &gather, &path, RSV_SPECULAR_SCATTERED);
         if (filter(user, path.triangle, path.turns))
             gather.emission = rgb_add(
                 gather.emission, rgb_mul(rsv_specular_throughput(scene, &path, &path.medium),
@@ -41,9 +54,9 @@ rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_pa
         if (move == RSV_SPECULAR_LOST) return gather;
         gather.path = path;
         if (move == RSV_SPECULAR_LEFT_SCENE) {
-            gather.path.weight = rsv_specular_throughput(scene, &path, &path.medium);
-            gather.end = RSV_SPECULAR_ESCAPED;
-            return gather;
+            bool lands = rsv_specular_lands(scene, &path, true, random, &gather.place);
+            return end_gather(
+                scene, &gather, &path, lands ? RSV_SPECULAR_SCATTERED : RSV_SPECULAR_ESCAPED);
         }
         if (!rsv_specular_survives(&path.weight, random)) return gather;
     }

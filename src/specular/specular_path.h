@@ -8,7 +8,8 @@
 typedef enum rsv_specular_end {
     RSV_SPECULAR_ESCAPED,
     RSV_SPECULAR_ABSORBED,
-    RSV_SPECULAR_DIFFUSE
+    RSV_SPECULAR_DIFFUSE,
+    RSV_SPECULAR_SCATTERED ///< in fog
 } rsv_specular_end;
 
 #define RSV_SPECULAR_MAX_EVENTS 256
@@ -64,6 +65,7 @@ typedef struct rsv_gather {
     rsv_specular_path
         path; ///< at the diffuse interface, if end is RSV_SPECULAR_DIFFUSE; its weight is then the
               ///< throughput of radiance, the coat of that interface included
+    rsv_vec3 place;   ///< in the fog, if end is RSV_SPECULAR_SCATTERED; the path's weight is then its throughput
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 

@@ -1,0 +1,102 @@
+/// Rows where there is fog: each ray has a free flight, and ends in a voxel if that is shorter than its way to a surface. Rows
+/// of voxels are isotropic rays of the same kind.
+#include "../core/stratified.h"
+#include "../elements/voxels.h"
+#include "../specular/fog_flight.h"
+#include "../trace/packet.h"
+#include "row_tracer_internal.h"
+
+#define LANES RSV_SUPPORT_POINTS
+
+void rsv_row_land(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray, rsv_vec3 place,
+    rsv_rgb weight, rsv_rgb entered)
+{
+    const rsv_elements *e = tracer->elements;
+    rsv_rgb glow = rsv_fog_glow(tracer->scene->view->fog);
+    if (!rgb_is_black(glow))
+        s->emission = rgb_add(s->emission, rgb_mul(rgb_mul(glow, weight), entered));
+    uint32_t node = rsv_elements_find_voxel(e, tracer->scene->tracer, place);
+    if (node != RSV_NONE) rsv_row_record_node(s, ray, node, weight, entered);
+}
+
+static rsv_ray ray_of_lane(const rsv_ray_packet *p, int k)
+{
+    bool meets = p->triangle[k] != RSV_NONE;
+    return (rsv_ray){ v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
+        v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
+        meets ? p->t_max[k] : INFINITY };
+}
+
+/// The free flight of a row's ray, stratified among all of the row.
+static rsv_fog_flight fly(const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t ray,
+    const rsv_ray *way)
+{
+    rsv_fog_flight none = { false, v3(0, 0, 0), rgb_gray(1) };
+    if (r->medium.depth) return none;
+    float u_channel, u;
+    rsv_sobol_2d(ray, rsv_hash3(tracer->seed, r->index, 0xf09u), &u, &u_channel);
+    return rsv_fog_fly(tracer->scene->view->fog, way, rgb_gray(1), u_channel, u);
+}
+
+void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
+    const rsv_row_receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
+{
+    for (int k = 0; k < LANES; k++) {
+        uint32_t ray = first_ray + (uint32_t)k;
+        bool meets = packet->triangle[k] != RSV_NONE;
+        s->kind[ray] = RSV_TARGET_SPECULAR;
+        if (!meets && !(packet->t_max[k] > 0)) continue;
+        rsv_ray way = ray_of_lane(packet, k);
+        rsv_fog_flight flight = fly(tracer, r, ray, &way);
+        rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver[k]);
+        if (flight.lands) {
+            rsv_row_land(tracer, s, ray, flight.place, flight.weight, entered);
+        } else if (meets) {
+            rsv_specular_path path = rsv_row_begin_path(tracer, r, packet, (uint32_t)k);
+            path.length = 0;
+            path.weight = rgb_mul(path.weight, flight.weight);
+            rsv_row_follow_path(tracer, s, ray, r, cos_receiver[k], path);
+        } else {
+            rsv_escape_row_add(
+                &s->escapes, way.direction, rgb_mul(flight.weight, entered), 0);
+        }
+    }
+}
+
+/// A cosine-distributed direction about z, turned into one of all: the mirror image of z about it.
+static rsv_vec3 to_sphere(float x, float y, float z)
+{
+    return v3(2 * z * x, 2 * z * y, 2 * z * z - 1);
+}
+
+static void aim(const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first,
+    rsv_ray_packet *packet)
+{
+    const rsv_elements *e = tracer->elements;
+    const rsv_directions *d = &tracer->directions;
+    uint32_t voxel = r->index - (uint32_t)rsv_elements_surface_nodes(e);
+    size_t at = rsv_directions_of(d, tracer->seed, r->index) + first;
+    uint32_t across = rsv_hash3(tracer->seed, r->index, 0xa1u), along = rsv_hash(across);
+    for (uint32_t k = 0; k < LANES; k++) {
+        float u[3];
+        rsv_sobol_2d(first + k, across, &u[0], &u[1]);
+        u[2] = rsv_sobol_1d(first + k, along);
+        rsv_ray ray = { rsv_voxel_place(e->voxels, voxel, u),
+            to_sphere(d->x[at + k], d->y[at + k], d->z[at + k]), INFINITY };
+        rsv_packet_set_ray(packet, k, ray);
+    }
+}
+
+void rsv_row_trace_voxel(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
+{
+    static const float cos[LANES] = { 0 };
+    rsv_row_receiver r = { .index = node, .valid = UINT16_MAX, .in_air = true };
+    uint32_t rays = tracer->directions.count;
+    rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        aim(tracer, &r, first, &packet);
+        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
+        rsv_row_process_in_fog(tracer, s, first, &r, cos, &packet);
+    }
+    s->rays += rays;
+}
