@@ -2,8 +2,11 @@
 
 #include "../core/stratified.h"
 #include "../receiver/next_event.h"
+#include "../elements/voxels.h"
+#include "../render/fog_light.h"
 #include "../render/pixel_direct.h"
 #include "../sources/partition.h"
+#include "../specular/fog_flight.h"
 
 /// The surface point at which light is gathered. Not to be copied.
 typedef struct receiver {
@@ -138,6 +141,30 @@ static rsv_rgb radiance_at_end(const receiver *r, const rsv_specular_path *end, 
     return rgb_scale(rgb_mul(end->weight, exitance), 1 / RSV_PI);
 }
 
+/// E~ where a gather ray ends in the fog.
+static rsv_rgb radiance_in_fog(
+    const receiver *r, rsv_vec3 place, rsv_vec3 forward, rsv_random *random)
+{
+    const rsv_light_view *s = r->job->solution;
+    if (r->job->exact_direct) return rsv_fog_radiance_at(s, place, forward, random);
+    uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, place);
+    if (node == RSV_NONE) return rgb_gray(0);
+    return rgb_add(rsv_fog_glow(s->scene.view->fog),
+        rgb_add(rsv_light_view_scattered(s, node, 0, false),
+            rsv_light_view_scattered(s, node, RSV_NONE, false)));
+}
+
+/// Along a ray that meets nothing: the sky, or fog before it.
+static rsv_rgb look_beyond(const receiver *r, const rsv_ray *ray, rsv_random *random)
+{
+    rsv_vec3 place;
+    rsv_rgb weight;
+    const rsv_transport_scene *scene = &r->job->solution->scene;
+    if (rsv_fog_ends_ray(scene, &r->medium, ray, random, &weight, &place))
+        return rgb_mul(weight, radiance_in_fog(r, place, ray->direction, random));
+    return rgb_mul(weight, radiance_beyond(r->job, ray->direction, 0));
+}
+
 static rsv_rgb gather_one(
     const receiver *r, rsv_vec3 direction, rsv_rgb entered, rsv_random *random)
 {
@@ -147,7 +174,7 @@ static rsv_rgb gather_one(
     rsv_hit hit;
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
-        return rgb_mul(entered, radiance_beyond(job, direction, 0));
+        return rgb_mul(entered, look_beyond(r, &ray, random));
     rsv_specular_path first = rsv_specular_begin(scene, &r->medium, direction, hit);
     rsv_specular_set_spread(&first, 0, hit.t);
     first.weight = rgb_mul(first.weight, entered);
@@ -157,6 +184,10 @@ static rsv_rgb gather_one(
         return rgb_add(
             gather.emission, rgb_mul(gather.path.weight,
                                  radiance_beyond(job, gather.path.direction, gather.path.turns)));
+    if (gather.end == RSV_SPECULAR_SCATTERED)
+        return rgb_add(gather.emission,
+            rgb_mul(gather.path.weight,
+                radiance_in_fog(r, gather.place, gather.path.direction, random)));
     if (gather.end != RSV_SPECULAR_DIFFUSE) return gather.emission;
     return rgb_add(gather.emission, radiance_at_end(r, &gather.path, random));
 }

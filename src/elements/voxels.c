@@ -215,6 +215,38 @@ uint32_t rsv_voxels_find(const rsv_voxels *v, const rsv_tracer *tracer, rsv_vec3
     return find_part(v, tracer, cell, place);
 }
 
+/// The next plane of the grid along one axis.
+typedef struct plane_walk {
+    double next, step; ///< metres along the ray
+} plane_walk;
+
+static plane_walk planes_ahead(double origin, double direction, double size, double at)
+{
+    if (direction == 0) return (plane_walk){ INFINITY, INFINITY };
+    double place = (origin + at * direction) / size;
+    double plane = direction > 0 ? floor(place) + 1 : ceil(place) - 1;
+    return (plane_walk){ (plane * size - origin) / direction, size / fabs(direction) };
+}
+
+void rsv_voxels_walk(const rsv_voxels *v, const rsv_tracer *tracer, const rsv_ray *ray,
+    const double range[2], rsv_voxel_visitor visit, void *user)
+{
+    rsv_vec3 o = v3_sub(ray->origin, v->low), d = ray->direction;
+    double at = range[0];
+    plane_walk axis[3] = { planes_ahead(o.x, d.x, v->size.x, at),
+        planes_ahead(o.y, d.y, v->size.y, at), planes_ahead(o.z, d.z, v->size.z, at) };
+    while (at < range[1]) {
+        int first = axis[0].next < axis[1].next ? 0 : 1;
+        if (axis[2].next < axis[first].next) first = 2;
+        double end = fmin(axis[first].next, range[1]);
+        axis[first].next += axis[first].step;
+        if (!(end > at)) continue;
+        rsv_vec3 middle = v3_mad(ray->origin, (float)(0.5 * (at + end)), d);
+        visit(user, rsv_voxels_find(v, tracer, middle), at, end);
+        at = end;
+    }
+}
+
 uint32_t rsv_elements_find_voxel(const rsv_elements *e, const rsv_tracer *tracer, rsv_vec3 place)
 {
     if (!e->voxels) return RSV_NONE;

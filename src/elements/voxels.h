@@ -51,6 +51,13 @@ rsv_vec3 rsv_voxel_place(const rsv_voxels *voxels, uint32_t voxel, const float u
 /// The voxel of a place that light comes to through the air.
 uint32_t rsv_voxels_find(const rsv_voxels *voxels, const rsv_tracer *tracer, rsv_vec3 place);
 
+/// A piece of a ray within one voxel. @param begin, end metres along the ray
+typedef void (*rsv_voxel_visitor)(void *user, uint32_t voxel, double begin, double end);
+
+/// Visits the voxels along a ray between two distances, in order. @param ray of unit direction, free of surfaces in between
+void rsv_voxels_walk(const rsv_voxels *voxels, const rsv_tracer *tracer, const rsv_ray *ray,
+    const double range[2], rsv_voxel_visitor visit, void *user);
+
 /// The node of that voxel; RSV_NONE without fog.
 uint32_t rsv_elements_find_voxel(
     const rsv_elements *elements, const rsv_tracer *tracer, rsv_vec3 place);

@@ -40,19 +40,32 @@ static rsv_rgb from_punctual(const rsv_air_setting *s, const rsv_air_receiver *r
     return rgb_scale(rgb_mul(light->irradiance, seen), response);
 }
 
+rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *s, const rsv_air_receiver *r,
+    uint32_t entry, const float u[2], uint64_t *rays)
+{
+    rsv_punctual_sample light = { .light = rsv_fog_light_punctual(s->lights, entry) };
+    const rsv_fog_choice here = { .lights = s->lights, .point = r->point };
+    rsv_light_sample sample;
+    if (light.light)
+        return rsv_punctual_irradiance(light.light, r->point, &light.direction, &light.distance,
+                   &light.irradiance)
+                   ? from_punctual(s, r, &light, rays)
+                   : rgb_gray(0);
+    if (!rsv_fog_sample_emitter(&here, entry, u[0], u[1], &sample)) return rgb_gray(0);
+    return add_sample(s, r, &sample, 1 / sample.pdf_solid_angle, rays);
+}
+
 /// Of the choice at the receiver, emitters alone: punctual lights are asked one by one.
 static rsv_rgb from_emitter(const rsv_air_setting *s, const rsv_air_receiver *r, const float u[3],
     uint64_t *rays)
 {
     rsv_fog_choice choice;
-    rsv_light_sample sample;
     float probability = 0;
     if (!s->lights->emitters) return rgb_gray(0);
     rsv_fog_emitters_at(s->lights, r->point, &choice);
     uint32_t entry = rsv_fog_choice_draw(&choice, u[0], &probability);
-    if (entry == RSV_NONE || !rsv_fog_sample_emitter(&choice, entry, u[1], u[2], &sample))
-        return rgb_gray(0);
-    return add_sample(s, r, &sample, 1 / (probability * sample.pdf_solid_angle), rays);
+    if (entry == RSV_NONE) return rgb_gray(0);
+    return rgb_scale(rsv_air_light_of_entry(s, r, entry, u + 1, rays), 1 / probability);
 }
 
 static rsv_rgb from_suns_and_sky(const rsv_air_setting *s, const rsv_air_receiver *r,
@@ -73,17 +86,11 @@ static rsv_rgb from_suns_and_sky(const rsv_air_setting *s, const rsv_air_receive
     return rgb_add(sum, add_sample(s, r, &sample, 1 / pdf, rays));
 }
 
-rsv_rgb rsv_air_light_of_areas(const rsv_air_setting *s, const rsv_air_receiver *r,
-    const float u[5], uint64_t *rays)
-{
-    return rgb_add(from_emitter(s, r, u, rays), from_suns_and_sky(s, r, u + 3, rays));
-}
-
 rsv_rgb rsv_air_light(const rsv_air_setting *s, const rsv_air_receiver *r, const float u[5],
     uint64_t *rays)
 {
     const rsv_lights *lights = s->lights->lights;
-    rsv_rgb sum = rsv_air_light_of_areas(s, r, u, rays);
+    rsv_rgb sum = rgb_add(from_emitter(s, r, u, rays), from_suns_and_sky(s, r, u + 3, rays));
     for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
         if (rsv_punctual_at(lights, r->point, v3(0, 0, 0), k, u[0], &light) &&

@@ -37,9 +37,9 @@ RSV_INLINE bool rsv_air_leaves_out(const rsv_air_receiver *r, const rsv_punctual
 rsv_rgb rsv_air_light(const rsv_air_setting *setting, const rsv_air_receiver *receiver,
     const float u[5], uint64_t *rays);
 
-/// Emitters, suns and sky alone.
-rsv_rgb rsv_air_light_of_areas(const rsv_air_setting *setting, const rsv_air_receiver *receiver,
-    const float u[5], uint64_t *rays);
+/// The same of the light behind one entry of rsv_fog_lights. @param u for the place on an emitter
+rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *setting, const rsv_air_receiver *receiver,
+    uint32_t entry, const float u[2], uint64_t *rays);
 
 /// Suns, sky and lights without a place: nothing but the receiver's place can find them.
 rsv_rgb rsv_air_light_from_afar(const rsv_air_setting *setting, const rsv_air_receiver *receiver,

@@ -1,6 +1,7 @@
 #include "lit_gather.h"
 
 #include "../sources/partition.h"
+#include "../specular/fog_flight.h"
 #include "camera_step.h"
 
 /// A specular path on its way.
@@ -12,6 +13,7 @@ typedef struct traveller {
     rsv_specular_path path;
     rsv_rough_departure departure; ///< how it left the surface before
     rsv_rgb found;
+    rsv_vec3 place; ///< in the fog, where that ends it
 } traveller;
 
 static void add(traveller *t, rsv_rgb radiance) { t->found = rgb_add(t->found, radiance); }
@@ -82,6 +84,8 @@ static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_specular_end 
     rsv_specular_move move = rsv_specular_follow(t->scene, &t->path, event, event->weight);
     if (move == RSV_SPECULAR_MOVED) return rsv_specular_survives(&t->path.weight, t->random);
     if (move == RSV_SPECULAR_LEFT_SCENE) {
+        *end = RSV_SPECULAR_SCATTERED;
+        if (rsv_specular_lands(t->scene, &t->path, true, t->random, &t->place)) return false;
         add_sky(t);
         *end = RSV_SPECULAR_ESCAPED;
     }
@@ -91,11 +95,15 @@ static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_specular_end 
 rsv_gather rsv_gather_lit(const rsv_transport_scene *scene, const rsv_lights *lights, bool shot,
     rsv_specular_path path, rsv_random *random)
 {
-    traveller t = { scene, lights, shot, random, path, { .shot = shot }, rgb_gray(0) };
+    traveller t = { scene, lights, shot, random, path, { .shot = shot }, rgb_gray(0), v3(0, 0, 0) };
     rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
     rsv_bsdf_event event;
     do {
         rsv_rough_surface surface;
+        if (rsv_specular_lands(scene, &t.path, false, random, &t.place)) {
+            gather.end = RSV_SPECULAR_SCATTERED;
+            break;
+        }
         rsv_rough_meet(scene, &t.path, &surface);
         add_emission(&t, surface.bsdf);
         event = draw(&t, &surface);
@@ -103,5 +111,6 @@ rsv_gather rsv_gather_lit(const rsv_transport_scene *scene, const rsv_lights *li
     gather.path = t.path;
     gather.path.weight = rsv_specular_throughput(scene, &t.path, &t.path.medium);
     gather.emission = t.found;
+    gather.place = t.place;
     return gather;
 }

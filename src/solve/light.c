@@ -248,6 +248,7 @@ void rsv_light_publish(rsv_light *s)
         .tracer = s->scene.tracer,
         .bsdf = s->scene.bsdf,
         .lights = s->sources->lights,
+        .fog_lights = s->scene.view->fog ? &s->sources->fog_lights : NULL,
         .desc = s->desc,
         .elements = op->elements,
         .valid_points = op->valid_points,
@@ -298,6 +299,19 @@ rsv_rgb rsv_light_view_direct(
     if (s->fine.direct)
         return rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));
     return rsv_elements_interpolate(s->elements, s->source, face, u, v);
+}
+
+rsv_rgb rsv_light_view_scattered(
+    const rsv_light_view *s, uint32_t node, uint32_t order, bool skip_sampled)
+{
+    rsv_rgb e = rgb_gray(0);
+    if (order == 0)
+        e = skip_sampled ? s->gathered[node] : s->source[node];
+    else if (order == RSV_NONE)
+        e = s->indirect[node];
+    else if (order < s->order_count)
+        e = s->order[order][node];
+    return rgb_scale(rgb_mul(e, s->exitance_albedo[node]), 1 / RSV_PI);
 }
 
 rsv_rgb rsv_light_view_irradiance(

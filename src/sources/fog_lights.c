@@ -56,6 +56,7 @@ rsv_status rsv_fog_lights_create(rsv_context *context, const rsv_lights *lights,
 
 void rsv_fog_lights_destroy(rsv_fog_lights *l)
 {
+    if (!l->context) return;
     rsv_free(l->context, l->table);
     rsv_free(l->context, l->probability);
     rsv_free(l->context, l->entry);

@@ -77,6 +77,17 @@ RSV_INLINE rsv_ray rsv_specular_segment(
     return ray;
 }
 
+/// Takes from a specular path what the fog on its last segment takes.
+RSV_INLINE void rsv_specular_dim(const rsv_transport_scene *scene, rsv_specular_path *path)
+{
+    const rsv_fog *fog = scene->view->fog;
+    if (!fog || path->medium.depth || !(path->length > 0)) return;
+    rsv_ray ray = rsv_specular_segment(scene, path, false);
+    rsv_fog_run run = rsv_fog_run_of(fog, ray.origin, ray.direction, ray.t_max);
+    path->weight = rgb_mul(path->weight, rsv_fog_transmittance(fog, run.column));
+    path->length = 0;
+}
+
 /// Whether a specular path's last segment ends in the fog; if not, its weight says what that let pass. Bodies displace fog.
 /// @param leaves the scene, so that the segment begins at the path's surface @param place out
 bool rsv_specular_lands(const rsv_transport_scene *scene, rsv_specular_path *path, bool leaves,
