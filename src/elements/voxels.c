@@ -129,6 +129,67 @@ static rsv_status list_voxels(rsv_voxels *v, const uint16_t (*part)[RSV_VOXEL_PO
     return RSV_OK;
 }
 
+// ---- places in cells that are cut ---------------------------------------------------------------
+
+/// Place k of those that a cell is sampled at.
+static rsv_vec3 sample_cell(const rsv_voxels *v, size_t cell, uint32_t k)
+{
+    uint32_t stream = rsv_hash2((uint32_t)cell, 0x7013u);
+    rsv_vec3 share = { .z = rsv_sobol_1d(k, rsv_hash(stream)) };
+    rsv_sobol_2d(k, stream, &share.x, &share.y);
+    return place_in_cell(v, cell, share);
+}
+
+static bool is_cut(const rsv_voxels *v, size_t cell)
+{
+    return v->begin[cell + 1] - v->begin[cell] > 1;
+}
+
+/// @param owner [CUT_PLACES] the voxel of each place of the cell
+static void find_owners(
+    const rsv_voxels *v, const rsv_tracer *tracer, size_t cell, uint32_t *owner)
+{
+    for (uint32_t k = 0; k < CUT_PLACES; k++)
+        owner[k] = rsv_voxels_find(v, tracer, sample_cell(v, cell, k));
+}
+
+/// @param owner [cell_count][CUT_PLACES] of those that are cut
+static void sort_places(rsv_voxels *v, const uint32_t (*owner)[CUT_PLACES])
+{
+    for (size_t cell = 0; cell < v->cell_count; cell++)
+        for (uint32_t k = 0; is_cut(v, cell) && k < CUT_PLACES; k++)
+            v->place_begin[owner[cell][k] + 1]++;
+    for (size_t n = 0; n < v->count; n++)
+        v->place_begin[n + 1] += v->place_begin[n];
+    // each voxel's end moves on as it fills, and is its own end again afterwards
+    for (size_t cell = v->cell_count; cell-- > 0;)
+        for (uint32_t k = CUT_PLACES; is_cut(v, cell) && k-- > 0;)
+            v->place[--v->place_begin[owner[cell][k] + 1]] = sample_cell(v, cell, k);
+    for (size_t n = 0; n < v->count; n++)
+        v->place_begin[n] = v->place_begin[n + 1];
+    v->place_begin[v->count] = (uint32_t)v->place_count;
+}
+
+static rsv_status place_cut(rsv_voxels *v, const rsv_tracer *tracer)
+{
+    size_t cut = 0;
+    for (size_t cell = 0; cell < v->cell_count; cell++)
+        cut += is_cut(v, cell);
+    v->place_count = cut * CUT_PLACES;
+    uint32_t(*owner)[CUT_PLACES] = rsv_reserve(v->context, v->cell_count, sizeof *owner);
+    v->place_begin = rsv_alloc(v->context, v->count + 1, sizeof *v->place_begin);
+    v->place = rsv_alloc(v->context, v->place_count, sizeof *v->place);
+    bool complete = owner && v->place_begin && v->place;
+    if (complete) {
+#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(v->context))
+        for (size_t cell = 0; cell < v->cell_count; cell++)
+            if (is_cut(v, cell)) find_owners(v, tracer, cell, owner[cell]);
+        sort_places(v, (const uint32_t(*)[CUT_PLACES])owner);
+    }
+    rsv_free(v->context, owner);
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
 rsv_status rsv_voxels_create(
     const rsv_transport_scene *scene, size_t target, uint64_t *rays, rsv_voxels **voxels)
 {
@@ -144,6 +205,7 @@ rsv_status rsv_voxels_create(
     if (!v->begin || !part) goto cleanup;
     divide_cells(v, scene->tracer, part, rays);
     RSV_TRY(list_voxels(v, (const uint16_t(*)[RSV_VOXEL_POINTS])part));
+    RSV_TRY(place_cut(v, scene->tracer));
     *voxels = v;
     v = NULL;
 cleanup:
@@ -158,6 +220,8 @@ void rsv_voxels_destroy(rsv_voxels *v)
     rsv_free(v->context, v->begin);
     rsv_free(v->context, v->cell);
     rsv_free(v->context, v->points);
+    rsv_free(v->context, v->place_begin);
+    rsv_free(v->context, v->place);
     rsv_free(v->context, v);
 }
 
@@ -165,7 +229,10 @@ void rsv_voxels_destroy(rsv_voxels *v)
 
 float rsv_voxel_volume(const rsv_voxels *v, uint32_t voxel)
 {
-    float share = (float)__builtin_popcount(v->points[voxel]) / RSV_VOXEL_POINTS;
+    uint32_t places = v->place_begin[voxel + 1] - v->place_begin[voxel];
+    // of the thinnest slivers, none was met by chance
+    float share = (places ? (float)places : 0.5f) / CUT_PLACES;
+    if (rsv_voxel_is_whole(v, voxel)) share = 1;
     return share * v->size.x * v->size.y * v->size.z;
 }
 
@@ -186,11 +253,10 @@ rsv_vec3 rsv_voxel_place(const rsv_voxels *v, uint32_t voxel, const float u[3])
 {
     if (rsv_voxel_is_whole(v, voxel))
         return place_in_cell(v, v->cell[voxel], v3(u[0], u[1], u[2]));
-    uint32_t left = v->points[voxel];
-    uint32_t skip = (uint32_t)(u[0] * (float)__builtin_popcount(left));
-    for (; skip > 0; skip--)
-        left &= left - 1;
-    return cell_point(v, v->cell[voxel], (uint32_t)__builtin_ctz(left));
+    uint32_t begin = v->place_begin[voxel], count = v->place_begin[voxel + 1] - begin;
+    if (count == 0)
+        return cell_point(v, v->cell[voxel], (uint32_t)__builtin_ctz(v->points[voxel]));
+    return v->place[begin + (uint32_t)(u[0] * (float)count)];
 }
 
 /// The voxel of which a place sees a point; where it sees none, that of the nearest point.

@@ -38,6 +38,22 @@ static rsv_fog_flight fly(const rsv_row_tracer *tracer, const rsv_row_receiver *
     return rsv_fog_fly(tracer->scene->view->fog, way, rgb_gray(1), u_channel, u);
 }
 
+void rsv_row_balance_flights(const rsv_row_tracer *tracer, rsv_row_scratch *s)
+{
+    const rsv_fog *fog = tracer->scene->view->fog;
+    rsv_rgb sum = s->flights;
+    float rays = (float)tracer->directions.count;
+    // fog that scatters nothing dims each ray as much as it does
+    if (!fog || rsv_fog_is_gray(fog) || rsv_fog_only_dims(fog)) return;
+    if (!(sum.r > 0) || !(sum.g > 0) || !(sum.b > 0)) return;
+    rsv_rgb scale = rgb(rays / sum.r, rays / sum.g, rays / sum.b);
+    for (uint32_t k = 0; k < s->tinted_count; k++)
+        s->tinted_weight[k] = rgb_mul(s->tinted_weight[k], scale);
+    for (uint32_t k = 0; k < s->escapes.tinted_count; k++)
+        s->escapes.tinted_weight[k] = rgb_mul(s->escapes.tinted_weight[k], scale);
+    s->emission = rgb_mul(s->emission, scale);
+}
+
 void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
     const rsv_row_receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
 {
@@ -45,9 +61,13 @@ void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, ui
         uint32_t ray = first_ray + (uint32_t)k;
         bool meets = packet->triangle[k] != RSV_NONE;
         s->kind[ray] = RSV_TARGET_SPECULAR;
-        if (!meets && !(packet->t_max[k] > 0)) continue;
+        if (!meets && !(packet->t_max[k] > 0)) {
+            s->flights = rgb_add(s->flights, rgb_gray(1));
+            continue;
+        }
         rsv_ray way = ray_of_lane(packet, k);
         rsv_fog_flight flight = fly(tracer, r, ray, &way);
+        s->flights = rgb_add(s->flights, flight.weight);
         rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver[k]);
         if (flight.lands) {
             rsv_row_land(tracer, s, ray, flight.place, flight.weight, entered);
@@ -98,5 +118,6 @@ void rsv_row_trace_voxel(const rsv_row_tracer *tracer, uint32_t node, rsv_row_sc
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
         rsv_row_process_in_fog(tracer, s, first, &r, cos, &packet);
     }
+    rsv_row_balance_flights(tracer, s);
     s->rays += rays;
 }

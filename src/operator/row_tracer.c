@@ -259,7 +259,7 @@ static void clear_scratch(rsv_row_scratch *s)
 {
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
-    s->emission = rgb_gray(0);
+    s->emission = s->flights = rgb_gray(0);
 }
 
 rsv_ray_packet rsv_row_begin(
@@ -299,6 +299,7 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
         rsv_row_process_hits(tracer, s, first, &r, z, &packet);
     }
+    rsv_row_balance_flights(tracer, s);
     s->rays += rays;
 }
 

@@ -44,6 +44,10 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,
 /// rsv_row_trace for a node in the air: isotropic rays.
 void rsv_row_trace_voxel(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch);
 
+/// Gives the flights of a row in coloured fog a mean weight of 1 in each channel, which they have on average: so rows sum to no
+/// more than 1.
+void rsv_row_balance_flights(const rsv_row_tracer *tracer, rsv_row_scratch *scratch);
+
 /// Notes where rays of a traced packet end that cross fog.
 void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,
     uint32_t first_ray, const rsv_row_receiver *receiver, const float *cos_receiver,

@@ -20,6 +20,12 @@ RSV_INLINE bool rsv_fog_is_gray(const rsv_fog *fog)
     return fog->extinction.r == fog->extinction.g && fog->extinction.g == fog->extinction.b;
 }
 
+/// Fog that scatters and emits nothing only dims, which takes no random number.
+RSV_INLINE bool rsv_fog_only_dims(const rsv_fog *fog)
+{
+    return rgb_is_black(fog->albedo) && rgb_is_black(fog->emission);
+}
+
 /// Density of the mixture per that of each channel, turned over.
 RSV_INLINE rsv_rgb rsv_fog_mixture_weight(rsv_rgb density, rsv_rgb share)
 {
@@ -28,7 +34,6 @@ RSV_INLINE rsv_rgb rsv_fog_mixture_weight(rsv_rgb density, rsv_rgb share)
     return mixture > 0 ? rgb_scale(density, (float)(1 / mixture)) : rgb_gray(0);
 }
 
-/// Fog that scatters nothing only dims, which takes no random number.
 RSV_INLINE rsv_fog_flight rsv_fog_dim(const rsv_fog *fog, const rsv_fog_run *run)
 {
     rsv_fog_flight flight = { false, v3(0, 0, 0), rsv_fog_transmittance(fog, run->column) };
@@ -44,14 +49,16 @@ RSV_INLINE rsv_fog_flight rsv_fog_fly(const rsv_fog *fog, const rsv_ray *ray, rs
     rsv_fog_flight flight = { false, v3(0, 0, 0), rgb_gray(1) };
     float sum = throughput.r + throughput.g + throughput.b;
     if (!(run.column > 0) || !(sum > 0)) return flight;
-    if (rgb_is_black(fog->albedo) && rgb_is_black(fog->emission)) return rsv_fog_dim(fog, &run);
+    if (rsv_fog_only_dims(fog)) return rsv_fog_dim(fog, &run);
     rsv_rgb share = rgb_scale(throughput, 1 / sum);
     int c = u_channel < share.r ? 0 : u_channel < share.r + share.g ? 1 : 2;
     double column = rsv_fog_free_column((&fog->extinction.r)[c], u);
     flight.lands = column < run.column;
-    if (flight.lands)
-        flight.place =
-            v3_mad(ray->origin, (float)rsv_fog_find(&run, column), ray->direction);
+    if (flight.lands) {
+        // this side of what the ray meets, however it is rounded
+        double distance = fmin(rsv_fog_find(&run, column), (1 - 1e-5) * (double)ray->t_max);
+        flight.place = v3_mad(ray->origin, (float)distance, ray->direction);
+    }
     if (rsv_fog_is_gray(fog)) return flight;
     rsv_rgb passed = rsv_fog_transmittance(fog, flight.lands ? column : run.column);
     rsv_rgb density = flight.lands ? rgb_mul(fog->extinction, passed) : passed;
