@@ -44,6 +44,7 @@ typedef struct cli_session {
     rsv_animation *animation; ///< that scenes came from; NULL = none
     cli_reading reading;
     bool keep_document;        ///< scenes are to keep the glTF file that they come from
+    const char *clear_air;     ///< what the command makes, if it leaves fog out: "a bake"; NULL = it does not
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far

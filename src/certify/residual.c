@@ -2,11 +2,9 @@
 
 #include "../core/stratified.h"
 #include "../receiver/next_event.h"
-#include "../elements/voxels.h"
 #include "../render/fog_light.h"
 #include "../render/pixel_direct.h"
 #include "../sources/partition.h"
-#include "../specular/fog_flight.h"
 
 /// The surface point at which light is gathered. Not to be copied.
 typedef struct receiver {
@@ -147,11 +145,7 @@ static rsv_rgb radiance_in_fog(
 {
     const rsv_light_view *s = r->job->solution;
     if (r->job->exact_direct) return rsv_fog_radiance_at(s, place, forward, random);
-    uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, place);
-    if (node == RSV_NONE) return rgb_gray(0);
-    return rgb_add(rsv_fog_glow(s->scene.view->fog),
-        rgb_add(rsv_light_view_scattered(s, node, 0, false),
-            rsv_light_view_scattered(s, node, RSV_NONE, false)));
+    return rsv_fog_stored_radiance(s, place, false);
 }
 
 /// Along a ray that meets nothing: the sky, or fog before it.

@@ -42,15 +42,20 @@ rsv_rgb rsv_fog_scattered_sample(
     return scatter(s, rsv_air_light(&setting, &receiver, u, &rays));
 }
 
+rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *s, rsv_vec3 place, bool skip_sampled)
+{
+    rsv_rgb glow = rsv_fog_glow(s->scene.view->fog);
+    uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, place);
+    if (node == RSV_NONE) return glow;
+    return rgb_add(glow, rgb_add(rsv_light_view_scattered(s, node, 0, skip_sampled),
+                             rsv_light_view_scattered(s, node, RSV_NONE, false)));
+}
+
 rsv_rgb rsv_fog_radiance_at(
     const rsv_light_view *s, rsv_vec3 place, rsv_vec3 forward, rsv_random *random)
 {
-    rsv_rgb sum = rgb_add(rsv_fog_glow(s->scene.view->fog),
+    return rgb_add(rsv_fog_stored_radiance(s, place, true),
         rsv_fog_scattered_sample(s, place, forward, random));
-    uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, place);
-    if (node == RSV_NONE) return sum;
-    sum = rgb_add(sum, rsv_light_view_scattered(s, node, 0, true));
-    return rgb_add(sum, rsv_light_view_scattered(s, node, RSV_NONE, true));
 }
 
 // ---- along a segment, as stored -------------------------------------------------------------------

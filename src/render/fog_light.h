@@ -13,6 +13,10 @@ bool rsv_fog_ends_ray(const rsv_transport_scene *scene, const rsv_medium *medium
 rsv_rgb rsv_fog_scattered_sample(
     const rsv_light_view *light, rsv_vec3 place, rsv_vec3 forward, rsv_random *random);
 
+/// Radiance that the fog emits at a place and scatters of what is stored there.
+/// @param skip_sampled leave out what next-event estimation finds
+rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *light, rsv_vec3 place, bool skip_sampled);
+
 /// Radiance that a gather ray finds where it ends in fog: light of sampled sources, which is sampled, and all else as it is
 /// stored.
 rsv_rgb rsv_fog_radiance_at(

@@ -150,7 +150,7 @@ rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what)
 {
     if (!scene->view.fog) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "fog: %s leaves media out of account so far; render, probe and certify follow light "
-        "through them, or leave out the fog",
+        "fog: %s so far leaves media out of account, unlike render, probe and certify; leave out "
+        "the fog",
         what);
 }

@@ -395,7 +395,7 @@ rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, r
 {
     rsv_builder b;
     rsv_light *light = NULL;
-    rsv_status status = store || earlier ? rsv_scene_refuse_fog(scene, "what updates and checkpoints keep") : RSV_OK;
+    rsv_status status = store ? rsv_scene_refuse_fog(scene, "an update") : RSV_OK;
     if (status != RSV_OK) return status;
     status = begin(scene, desc, &b);
     b.update.store = store;
@@ -412,6 +412,8 @@ rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, r
 rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc)
 {
     rsv_status status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
+    if (status == RSV_OK && (desc->checkpoint || desc->earlier))
+        status = rsv_scene_refuse_fog(scene, "a checkpoint");
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 

@@ -1,5 +1,6 @@
 #include "light_internal.h"
 
+#include "../scene/scene.h"
 #include "source.h"
 
 #include <string.h>
@@ -287,6 +288,11 @@ const rsv_solve_report *rsv_light_report(const rsv_light *s) { return &s->report
 const rsv_scene *rsv_light_scene(const rsv_light *s) { return s->scene.scene; }
 
 uint32_t rsv_light_order_count(const rsv_light *s) { return s->field.order_count; }
+
+rsv_status rsv_light_refuse_fog(const rsv_light_view *s, const char *what)
+{
+    return rsv_scene_refuse_fog(s->scene.scene, what);
+}
 
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *s, uint32_t face, float u, float v, bool skip_sampled)

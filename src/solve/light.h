@@ -72,6 +72,9 @@ rsv_status rsv_light_restore(rsv_operator *op, rsv_light_sources *sources,
     const rsv_solve_desc *desc, const rsv_light_fields *fields, const rsv_solve_report *report,
     rsv_light **light);
 
+/// RSV_ERROR_UNSUPPORTED where the light's scene has fog. @param what will not go on: "a frame"
+rsv_status rsv_light_refuse_fog(const rsv_light_view *light, const char *what);
+
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
 rsv_rgb rsv_light_view_direct(
