@@ -140,40 +140,39 @@ static rsv_rgb radiance_at_end(const receiver *r, const rsv_specular_path *end, 
 }
 
 /// E~ where a gather ray ends in the fog.
-static rsv_rgb radiance_in_fog(
-    const receiver *r, rsv_vec3 place, rsv_vec3 forward, rsv_random *random)
+static rsv_rgb radiance_in_fog(const receiver *r, rsv_vec3 place, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
-    if (r->job->exact_direct) return rsv_fog_radiance_at(s, place, forward, random);
+    if (r->job->exact_direct) return rsv_fog_radiance_at(s, place, random);
     return rsv_fog_stored_radiance(s, place, false);
 }
 
-/// Along a ray that meets nothing: the sky, or fog before it.
-static rsv_rgb look_beyond(const receiver *r, const rsv_ray *ray, rsv_random *random)
+/// @param entered what light along the ray counts for
+static rsv_gather follow(
+    const receiver *r, const rsv_ray *ray, rsv_rgb entered, rsv_random *random)
 {
-    rsv_vec3 place;
-    rsv_rgb weight;
     const rsv_transport_scene *scene = &r->job->solution->scene;
-    if (rsv_fog_ends_ray(scene, &r->medium, ray, random, &weight, &place))
-        return rgb_mul(weight, radiance_in_fog(r, place, ray->direction, random));
-    return rgb_mul(weight, radiance_beyond(r->job, ray->direction, 0));
+    const rsv_emission_wanted wanted = { counts, r->job };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) {
+        rsv_gather beyond = rsv_specular_gather_beyond(scene, &r->medium, ray, random, &wanted);
+        beyond.emission = rgb_mul(beyond.emission, entered);
+        beyond.path.weight = rgb_mul(beyond.path.weight, entered);
+        return beyond;
+    }
+    rsv_specular_path first = rsv_specular_begin(scene, &r->medium, ray->direction, hit);
+    rsv_specular_set_spread(&first, 0, hit.t);
+    first.weight = rgb_mul(first.weight, entered);
+    return rsv_specular_gather(scene, first, random, counts, r->job);
 }
 
 static rsv_rgb gather_one(
     const receiver *r, rsv_vec3 direction, rsv_rgb entered, rsv_random *random)
 {
     const rsv_residual_job *job = r->job;
-    const rsv_transport_scene *scene = &job->solution->scene;
     rsv_ray ray = { rsv_receiver_start(&r->at, direction), direction, INFINITY };
-    rsv_hit hit;
-    r->result->rays++;
-    if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
-        return rgb_mul(entered, look_beyond(r, &ray, random));
-    rsv_specular_path first = rsv_specular_begin(scene, &r->medium, direction, hit);
-    rsv_specular_set_spread(&first, 0, hit.t);
-    first.weight = rgb_mul(first.weight, entered);
-    rsv_gather gather = rsv_specular_gather(scene, first, random, counts, job);
-    r->result->rays += gather.path.rays;
+    rsv_gather gather = follow(r, &ray, entered, random);
+    r->result->rays += 1 + gather.path.rays;
     if (gather.end == RSV_SPECULAR_ESCAPED)
         return rgb_add(
             gather.emission, rgb_mul(gather.path.weight,
@@ -181,7 +180,7 @@ static rsv_rgb gather_one(
     if (gather.end == RSV_SPECULAR_SCATTERED)
         return rgb_add(gather.emission,
             rgb_mul(gather.path.weight,
-                radiance_in_fog(r, gather.place, gather.path.direction, random)));
+                radiance_in_fog(r, gather.place, random)));
     if (gather.end != RSV_SPECULAR_DIFFUSE) return gather.emission;
     return rgb_add(gather.emission, radiance_at_end(r, &gather.path, random));
 }

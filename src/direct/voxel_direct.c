@@ -3,7 +3,7 @@
 #include "../core/team.h"
 #include "../elements/voxels.h"
 #include "../media/fog_run.h"
-#include "../receiver/air_light.h"
+#include "../sources/air_light.h"
 #include "direct_constants.h"
 
 typedef struct air_job {

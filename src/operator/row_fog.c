@@ -8,14 +8,14 @@
 
 #define LANES RSV_SUPPORT_POINTS
 
-void rsv_row_land(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray, rsv_vec3 place,
-    rsv_rgb weight, rsv_rgb entered)
+void rsv_row_land(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_gather *gather, rsv_rgb entered)
 {
-    const rsv_elements *e = tracer->elements;
-    rsv_rgb glow = rsv_fog_glow(tracer->scene->view->fog);
+    rsv_rgb glow = rsv_fog_glow(tracer->scene->view->fog), weight = gather->path.weight;
     if (!rgb_is_black(glow))
         s->emission = rgb_add(s->emission, rgb_mul(rgb_mul(glow, weight), entered));
-    uint32_t node = rsv_elements_find_voxel(e, tracer->scene->tracer, place);
+    uint32_t node =
+        rsv_elements_find_voxel(tracer->elements, tracer->scene->tracer, gather->place);
     if (node != RSV_NONE) rsv_row_record_node(s, ray, node, weight, entered);
 }
 
@@ -36,6 +36,16 @@ static rsv_fog_flight fly(const rsv_row_tracer *tracer, const rsv_row_receiver *
     float u_channel, u;
     rsv_sobol_2d(ray, rsv_hash3(tracer->seed, r->index, 0xf09u), &u, &u_channel);
     return rsv_fog_fly(tracer->scene->view->fog, way, rgb_gray(1), u_channel, u);
+}
+
+/// A ray that fog has met on its way to the first surface.
+static rsv_gather follow_from_fog(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
+    const rsv_fog_flight *flight, rsv_vec3 direction, rsv_random *random)
+{
+    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
+    rsv_specular_path path = rsv_specular_in_air(tracer->scene, NULL, direction);
+    path.weight = flight->weight;
+    return rsv_specular_gather_from_fog(tracer->scene, path, flight->place, random, &wanted);
 }
 
 void rsv_row_balance_flights(const rsv_row_tracer *tracer, rsv_row_scratch *s)
@@ -70,7 +80,9 @@ void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, ui
         s->flights = rgb_add(s->flights, flight.weight);
         rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver[k]);
         if (flight.lands) {
-            rsv_row_land(tracer, s, ray, flight.place, flight.weight, entered);
+            rsv_random random = rsv_random_from(tracer->seed ^ 0x2b7e1516u, r->index, ray);
+            rsv_gather gather = follow_from_fog(tracer, r, &flight, way.direction, &random);
+            rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));
         } else if (meets) {
             rsv_specular_path path = rsv_row_begin_path(tracer, r, packet, (uint32_t)k);
             path.length = 0;

@@ -126,26 +126,38 @@ static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
     return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
 }
 
+rsv_emission_wanted rsv_row_emission_wanted(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+{
+    return (rsv_emission_wanted){ r->in_air ? counts_in_air : counts_by_gathering, tracer->lights };
+}
+
+void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_gather *gather, rsv_rgb entered, float random)
+{
+    const rsv_specular_path *path = &gather->path;
+    s->emission = rgb_add(s->emission, rgb_mul(gather->emission, entered));
+    s->rays += path->rays;
+    if (gather->end == RSV_SPECULAR_DIFFUSE) {
+        record_end(tracer, s, ray, path, entered, random);
+        if (path->rays == 0 && !emits(tracer, path->triangle)) s->kind[ray] = RSV_TARGET_ENTERED;
+    } else if (gather->end == RSV_SPECULAR_SCATTERED) {
+        rsv_row_land(tracer, s, ray, gather, entered);
+    } else if (gather->end == RSV_SPECULAR_ESCAPED) {
+        rsv_escape_row_add(&s->escapes, path->direction, rgb_mul(path->weight, entered), path->turns);
+    }
+}
+
 void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
-    rsv_gather gather = rsv_specular_gather(tracer->scene, path, &random,
-        r->in_air ? counts_in_air : counts_by_gathering, tracer->lights);
+    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
+    rsv_gather gather =
+        rsv_specular_gather(tracer->scene, path, &random, wanted.filter, wanted.user);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver);
-    s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
-    s->rays += gather.path.rays;
-    if (gather.end == RSV_SPECULAR_DIFFUSE) {
-        record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
-        if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
-            s->kind[ray] = RSV_TARGET_ENTERED;
-    } else if (gather.end == RSV_SPECULAR_SCATTERED) {
-        rsv_row_land(tracer, s, ray, gather.place, gather.path.weight, entered);
-    } else if (gather.end == RSV_SPECULAR_ESCAPED) {
-        rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
-            gather.path.turns);
-    }
+    rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.

@@ -39,6 +39,14 @@ rsv_rgb rsv_row_entering(
 void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,
     const rsv_row_receiver *receiver, float cos_receiver, rsv_specular_path path);
 
+/// Emission that a row's rays count where they come to it.
+rsv_emission_wanted rsv_row_emission_wanted(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *receiver);
+
+/// Notes what a ray has found, and where it ended. @param entered as in rsv_row_record_node @param random in [0, 1)
+void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,
+    const rsv_gather *gather, rsv_rgb entered, float random);
+
 // ---- in fog (row_fog.c) -------------------------------------------------------------------------
 
 /// rsv_row_trace for a node in the air: isotropic rays.
@@ -53,9 +61,9 @@ void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *scrat
     uint32_t first_ray, const rsv_row_receiver *receiver, const float *cos_receiver,
     const rsv_ray_packet *packet);
 
-/// Notes that a ray ends in the fog. @param weight of the ray @param entered as in rsv_row_record_node
+/// Notes that a ray ends in the fog. @param entered as in rsv_row_record_node
 void rsv_row_land(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,
-    rsv_vec3 place, rsv_rgb weight, rsv_rgb entered);
+    const rsv_gather *gather, rsv_rgb entered);
 
 /// Notes where a ray ends that was not traced again. @param seen its kind then
 void rsv_row_keep_end(rsv_row_scratch *scratch, uint32_t ray, uint32_t node, uint8_t seen);

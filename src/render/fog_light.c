@@ -1,8 +1,11 @@
 #include "fog_light.h"
 
 #include "../elements/voxels.h"
-#include "../receiver/air_light.h"
+#include "../sources/air_light.h"
+#include "../media/phase.h"
 #include "../specular/fog_flight.h"
+#include "lit_gather.h"
+#include "pixel_direct.h"
 
 static rsv_air_setting setting_of(const rsv_light_view *s)
 {
@@ -17,29 +20,22 @@ static rsv_rgb scatter(const rsv_light_view *s, rsv_rgb fluence)
 
 // ---- at a place -----------------------------------------------------------------------------------
 
-bool rsv_fog_ends_ray(const rsv_transport_scene *scene, const rsv_medium *medium,
-    const rsv_ray *ray, rsv_random *random, rsv_rgb *weight, rsv_vec3 *place)
-{
-    *weight = rgb_gray(1);
-    if (!scene->view->fog || medium->depth) return false;
-    float u_channel = rsv_random_float(random), u = rsv_random_float(random);
-    rsv_ray way = { ray->origin, ray->direction, INFINITY };
-    rsv_fog_flight flight = rsv_fog_fly(scene->view->fog, &way, *weight, u_channel, u);
-    *weight = flight.weight;
-    *place = flight.place;
-    return flight.lands;
-}
-
-rsv_rgb rsv_fog_scattered_sample(
-    const rsv_light_view *s, rsv_vec3 place, rsv_vec3 forward, rsv_random *random)
+/// Fluence of sampled sources, weighed by the phase function as the receiver says.
+static rsv_rgb sample_fluence(
+    const rsv_light_view *s, const rsv_air_receiver *receiver, rsv_random *random)
 {
     const rsv_air_setting setting = setting_of(s);
-    const rsv_air_receiver receiver = { .point = place, .forward = forward };
     uint64_t rays = 0;
     float u[5];
     for (int k = 0; k < 5; k++)
         u[k] = rsv_random_float(random);
-    return scatter(s, rsv_air_light(&setting, &receiver, u, &rays));
+    return rsv_air_light(&setting, receiver, u, &rays);
+}
+
+rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
+{
+    const rsv_air_receiver receiver = { .point = place };
+    return scatter(s, sample_fluence(s, &receiver, random));
 }
 
 rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *s, rsv_vec3 place, bool skip_sampled)
@@ -51,11 +47,10 @@ rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *s, rsv_vec3 place, bool sk
                              rsv_light_view_scattered(s, node, RSV_NONE, false)));
 }
 
-rsv_rgb rsv_fog_radiance_at(
-    const rsv_light_view *s, rsv_vec3 place, rsv_vec3 forward, rsv_random *random)
+rsv_rgb rsv_fog_radiance_at(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
 {
-    return rgb_add(rsv_fog_stored_radiance(s, place, true),
-        rsv_fog_scattered_sample(s, place, forward, random));
+    return rgb_add(
+        rsv_fog_stored_radiance(s, place, true), rsv_fog_scattered_sample(s, place, random));
 }
 
 // ---- along a segment, as stored -------------------------------------------------------------------
@@ -66,6 +61,7 @@ typedef struct march {
     const rsv_fog_segment *segment;
     rsv_fog_run run;
     rsv_rgb share; ///< of channels in the throughput
+    float even;    ///< share of the phase function: what voxels scatter
     rsv_fog_sink sink;
     void *user;
 } march;
@@ -82,7 +78,7 @@ static void visit_voxel(void *user, uint32_t voxel, double begin, double end)
     const rsv_light_view *s = m->light;
     rsv_rgb near = rsv_fog_transmittance(m->fog, rsv_fog_column(&m->run, begin));
     rsv_rgb far = rsv_fog_transmittance(m->fog, rsv_fog_column(&m->run, end));
-    rsv_rgb taken = rgb_sub(near, far);
+    rsv_rgb taken = rgb_scale(rgb_sub(near, far), m->even);
     uint32_t node = (uint32_t)rsv_elements_surface_nodes(s->elements) + voxel;
     add(m, 1, taken, rsv_light_view_scattered(s, node, 0, m->segment->final));
     if (!m->segment->by_order) {
@@ -203,6 +199,57 @@ static void add_placed_lights(const march *m, double distance)
     add_light(m, &s, u + 4);
 }
 
+// ---- along a segment, turned ------------------------------------------------------------------------
+
+/// Radiance along a ray that fog has turned, order by order as it counts there, straight from sampled sources left out.
+static void add_turned(const march *m, rsv_rgb weight, const rsv_ray *ray, rsv_random *random)
+{
+    const rsv_light_view *s = m->light;
+    const rsv_lit_setting setting = { &s->scene, s->lights, false };
+    rsv_gather gather = rsv_gather_lit_ray(&setting, NULL, ray, random);
+    const rsv_specular_path *end = &gather.path;
+    add(m, 2, weight, gather.emission);
+    weight = rgb_mul(weight, end->weight);
+    if (gather.end == RSV_SPECULAR_SCATTERED) {
+        uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, gather.place);
+        add(m, 1, weight, rsv_fog_glow(m->fog));
+        add(m, 2, weight, rsv_fog_scattered_sample(s, gather.place, random));
+        if (node == RSV_NONE) return;
+        add(m, 2, weight, rsv_light_view_scattered(s, node, 0, true));
+        add(m, 3, weight, rsv_light_view_scattered(s, node, RSV_NONE, true));
+    }
+    uint32_t face = gather.end == RSV_SPECULAR_DIFFUSE
+                        ? s->elements->face_of[end->back][end->triangle]
+                        : RSV_NONE;
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    rsv_rgb albedo = rsv_specular_bsdf(&s->scene, end, &storage)->base_color;
+    weight = rgb_scale(rgb_mul(weight, albedo), 1 / RSV_PI);
+    add(m, 2, weight, rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
+                          rsv_sampled_irradiance(s, end, random)));
+    add(m, 3, weight,
+        rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+}
+
+/// Light that the uneven part of the phase function turns into the path at a distance. In mode operator, straight from sources,
+/// too: mode final has it already. @param density per metre of the distance
+static void add_uneven(const march *m, double distance, double density, rsv_random *random)
+{
+    const rsv_fog *fog = m->fog;
+    rsv_rgb passed = rsv_fog_transmittance(fog, rsv_fog_column(&m->run, distance));
+    double scale = (1 - (double)m->even) * rsv_fog_density(&m->run, distance) / density;
+    if (!(scale < INFINITY)) return;
+    rsv_rgb weight = rgb_mul(rgb_mul(passed, fog->extinction), fog->albedo);
+    weight = rgb_scale(weight, (float)scale);
+    rsv_vec3 place = place_at(m, distance), forward = m->segment->ray.direction;
+    const rsv_air_receiver receiver = { .point = place, .forward = forward, .uneven = true };
+    if (!m->segment->final)
+        add(m, 1, rgb_scale(weight, 1 / (4 * RSV_PI)),
+            sample_fluence(m->light, &receiver, random));
+    rsv_ray ray = { place, rsv_fog_draw_turn(fog->anisotropy, forward, random), INFINITY };
+    add_turned(m, weight, &ray, random);
+}
+
 static void add_sampled(march *m)
 {
     const rsv_air_setting setting = setting_of(m->light);
@@ -210,12 +257,17 @@ static void add_sampled(march *m)
     uint64_t rays = 0;
     if (!set_share(m) || rgb_is_black(m->fog->albedo)) return;
     double distance = draw_distance(m, u[0], u[1]), density = distance_pdf(m, distance);
-    add_placed_lights(m, distance);
+    if (!(density > 0)) return;
+    if (m->fog->anisotropy != 0) {
+        rsv_random random = rsv_random_from(m->segment->seed, 1, 0xf09u);
+        add_uneven(m, distance, density, &random);
+    }
+    if (!m->segment->final) return;
     const rsv_air_receiver receiver = { .point = place_at(m, distance),
         .forward = m->segment->ray.direction };
-    if (density > 0)
-        add_scattered(
-            m, distance, rsv_air_light_from_afar(&setting, &receiver, u + 6, &rays), density);
+    add_placed_lights(m, distance);
+    add_scattered(
+        m, distance, rsv_air_light_from_afar(&setting, &receiver, u + 6, &rays), density);
 }
 
 rsv_rgb rsv_fog_march(
@@ -224,6 +276,7 @@ rsv_rgb rsv_fog_march(
     const rsv_ray *ray = &segment->ray;
     march m = { .light = s, .fog = s->scene.view->fog, .segment = segment, .sink = sink,
         .user = user };
+    m.even = (float)rsv_phase_even_share(m.fog->anisotropy);
     m.run = rsv_fog_run_of(m.fog, ray->origin, ray->direction, ray->t_max);
     if (!(m.run.column > 0)) return rgb_gray(1);
     rsv_rgb passed = rsv_fog_transmittance(m.fog, m.run.column);
@@ -231,6 +284,6 @@ rsv_rgb rsv_fog_march(
     const double range[2] = { m.run.begin, m.run.end };
     if (s->elements->voxels)
         rsv_voxels_walk(s->elements->voxels, s->tracer, ray, range, visit_voxel, &m);
-    if (segment->final) add_sampled(&m);
+    if (segment->final || m.fog->anisotropy != 0) add_sampled(&m);
     return passed;
 }

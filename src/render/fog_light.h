@@ -4,14 +4,10 @@
 
 #include "../solve/light.h"
 
-/// Whether fog ends a ray that meets nothing. @param medium that it starts in @param weight out: what it let pass, or of the end
-bool rsv_fog_ends_ray(const rsv_transport_scene *scene, const rsv_medium *medium,
-    const rsv_ray *ray, rsv_random *random, rsv_rgb *weight, rsv_vec3 *place);
-
-/// Radiance of light that comes straight from sampled sources and is scattered once at a place in the fog, one sample of each
-/// source. @param forward unit direction of the ray that gathers it
+/// Radiance of light that comes straight from sampled sources and is scattered to all sides alike at a place in the fog, where
+/// gather rays end (specular/fog_flight.h): one sample of each source.
 rsv_rgb rsv_fog_scattered_sample(
-    const rsv_light_view *light, rsv_vec3 place, rsv_vec3 forward, rsv_random *random);
+    const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
 /// Radiance that the fog emits at a place and scatters of what is stored there.
 /// @param skip_sampled leave out what next-event estimation finds
@@ -19,8 +15,7 @@ rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *light, rsv_vec3 place, boo
 
 /// Radiance that a gather ray finds where it ends in fog: light of sampled sources, which is sampled, and all else as it is
 /// stored.
-rsv_rgb rsv_fog_radiance_at(
-    const rsv_light_view *light, rsv_vec3 place, rsv_vec3 forward, rsv_random *random);
+rsv_rgb rsv_fog_radiance_at(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
 /// Takes light of one order: 0 = emitted, n = scattered n times since, the last one by the fog.
 typedef void (*rsv_fog_sink)(void *user, uint32_t order, rsv_rgb radiance);
@@ -30,6 +25,7 @@ typedef struct rsv_fog_segment {
     rsv_ray ray;        ///< of unit direction
     rsv_rgb throughput; ///< of the path up to it
     float u[8];         ///< numbers in [0, 1) for what is sampled, in pairs
+    uint32_t seed;      ///< for further ones
     bool final;         ///< light scattered once is sampled; else it is looked up
     bool by_order;      ///< what is stored is handed over order by order; else all of it as of order 2
 } rsv_fog_segment;

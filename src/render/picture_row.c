@@ -72,33 +72,31 @@ static void draw_for_fog(const rsv_picture_row *r, bool first, uint32_t trail, f
     }
 }
 
-static rsv_rgb march(rsv_picture_row *r, const rsv_ray *ray, rsv_rgb throughput, const float u[8])
+/// @param trail names the segment
+static rsv_rgb march(
+    rsv_picture_row *r, const rsv_ray *ray, rsv_rgb throughput, uint32_t trail, bool first)
 {
     const rsv_picture_job *job = r->job;
     rsv_fog_segment segment = { .ray = *ray,
         .throughput = throughput,
+        .seed = rsv_hash2(trail, r->sample.index),
         .final = job->desc->mode == RSV_RENDER_FINAL,
         .by_order = job->layer_count > 1 };
-    memcpy(segment.u, u, sizeof segment.u);
+    draw_for_fog(r, first, trail, segment.u);
     return rsv_fog_march(job->solution, &segment, add_fog_light, r);
 }
 
 rsv_rgb rsv_picture_cross_fog(
     void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail)
 {
-    rsv_picture_row *r = user;
-    float u[8];
-    draw_for_fog(r, false, trail, u);
-    return march(r, segment, throughput, u);
+    return march(user, segment, throughput, trail, false);
 }
 
 /// The fog before what a camera ray sees. @param ray up to that @return what it lets pass
 static rsv_rgb see_fog(rsv_picture_row *r, const rsv_ray *ray)
 {
-    float u[8];
     if (!r->job->setting.cross_fog || r->job->medium.depth) return rgb_gray(1);
-    draw_for_fog(r, true, r->sample.seed, u);
-    return march(r, ray, rgb_gray(1), u);
+    return march(r, ray, rgb_gray(1), r->sample.seed, true);
 }
 
 static rsv_ray ray_of_lane(const rsv_ray_packet *p, uint32_t k)

@@ -2,6 +2,7 @@
 
 #include "../elements/voxels.h"
 #include "../receiver/receiver.h"
+#include "../specular/fog_flight.h"
 #include "fog_light.h"
 
 void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
@@ -99,8 +100,10 @@ static void add_gathered_in_fog(
     if (node == RSV_NONE) return;
     weight = rgb_mul(weight, gather->path.weight);
     rsv_rgb direct = rgb_add(rsv_light_view_scattered(s, node, 0, true),
-        rsv_fog_scattered_sample(s, gather->place, gather->path.direction, random));
+        rsv_fog_scattered_sample(s, gather->place, random));
     weight = rgb_scale(weight, RSV_PI); // of radiance, not of irradiance
+    rsv_picture_add_light(
+        r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
     for (uint32_t order = 1; order < s->order_count; order++) {
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
@@ -112,16 +115,10 @@ static void add_gathered_in_fog(
 static rsv_gather follow_gather_ray(
     const rsv_light_view *s, const rsv_ray *ray, const rsv_medium *medium, rsv_random *random)
 {
+    const rsv_emission_wanted wanted = { no_emission, NULL };
     rsv_hit hit;
-    rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
-    if (!rsv_tracer_closest(s->tracer, ray, &hit)) {
-        if (!rsv_fog_ends_ray(
-                &s->scene, medium, ray, random, &gather.path.weight, &gather.place))
-            return gather;
-        gather.end = RSV_SPECULAR_SCATTERED;
-        gather.path.direction = ray->direction;
-        return gather;
-    }
+    if (!rsv_tracer_closest(s->tracer, ray, &hit))
+        return rsv_specular_gather_beyond(&s->scene, medium, ray, random, &wanted);
     rsv_specular_path first = rsv_specular_begin(&s->scene, medium, ray->direction, hit);
     return rsv_specular_gather(&s->scene, first, random, no_emission, NULL);
 }
@@ -152,6 +149,9 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, entered, &random);
         if (gather.end == RSV_SPECULAR_SCATTERED)
             add_gathered_in_fog(r, &gather, entered, &random);
+        // of sources that fog has turned into the ray: nothing else was asked for
+        rsv_picture_add_light(
+            r, r->column, 2, rgb_scale(rgb_mul(entered, gather.emission), RSV_PI));
     }
 }
 

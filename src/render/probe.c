@@ -164,31 +164,18 @@ static void note_stored(
     rsv_shared_noise_add(&r->shared, r->job->noise, &found);
 }
 
-/// Along a ray that meets nothing: the sky, or fog before it.
-static rsv_rgb look_beyond(const receiver *r, const rsv_ray *ray, rsv_random *random)
-{
-    const rsv_light_view *s = r->job->solution;
-    rsv_vec3 place;
-    rsv_rgb weight;
-    if (rsv_fog_ends_ray(&s->scene, &r->medium, ray, random, &weight, &place))
-        return rgb_mul(weight, rsv_fog_radiance_at(s, place, ray->direction, random));
-    return rgb_mul(weight, rsv_gathering_sky(s->lights, ray->direction, 0, r->has_caustic));
-}
-
 static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->at.origin, direction, INFINITY };
-    rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return look_beyond(r, &ray, random);
-    rsv_specular_path first = rsv_specular_begin(&s->scene, &r->medium, direction, hit);
     // the stored caustic holds what photons bring
-    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
+    const rsv_lit_setting setting = { &s->scene, s->lights, r->has_caustic };
+    rsv_gather gather = rsv_gather_lit_ray(&setting, &r->medium, &ray, random);
     rsv_rgb radiance = gather.emission;
     if (gather.end == RSV_SPECULAR_SCATTERED)
         return rgb_add(radiance,
             rgb_mul(gather.path.weight,
-                rsv_fog_radiance_at(s, gather.place, gather.path.direction, random)));
+                rsv_fog_radiance_at(s, gather.place, random)));
     if (gather.end != RSV_SPECULAR_DIFFUSE) return radiance;
     const rsv_specular_path *end = &gather.path;
     uint32_t face = s->elements->face_of[end->back][end->triangle];

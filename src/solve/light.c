@@ -242,6 +242,7 @@ void rsv_light_publish(rsv_light *s)
 {
     const rsv_operator_view *op = rsv_operator_get_view(s->op);
     const rsv_light_fields *f = &s->field;
+    s->scene.fog_lights = s->scene.view->fog ? &s->sources->fog_lights : NULL;
     s->view = (rsv_light_view){ .light = s,
         .context = s->context,
         .op = s->op,
@@ -249,7 +250,7 @@ void rsv_light_publish(rsv_light *s)
         .tracer = s->scene.tracer,
         .bsdf = s->scene.bsdf,
         .lights = s->sources->lights,
-        .fog_lights = s->scene.view->fog ? &s->sources->fog_lights : NULL,
+        .fog_lights = s->scene.fog_lights,
         .desc = s->desc,
         .elements = op->elements,
         .valid_points = op->valid_points,

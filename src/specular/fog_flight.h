@@ -95,9 +95,36 @@ RSV_INLINE void rsv_specular_dim(const rsv_transport_scene *scene, rsv_specular_
     path->length = 0;
 }
 
-/// Whether a specular path's last segment ends in the fog; if not, its weight says what that let pass. Bodies displace fog.
-/// @param leaves the scene, so that the segment begins at the path's surface @param place out
-bool rsv_specular_lands(const rsv_transport_scene *scene, rsv_specular_path *path, bool leaves,
-    rsv_random *random, rsv_vec3 *place);
+/// A direction after one along `forward` by the uneven part of the phase function, whose anisotropy g is not 0.
+rsv_vec3 rsv_fog_draw_turn(float g, rsv_vec3 forward, rsv_random *random);
+
+typedef enum rsv_fog_fate {
+    RSV_FOG_MEETS,   ///< the path is at a surface
+    RSV_FOG_ESCAPES, ///< its direction says how it leaves the scene
+    RSV_FOG_LANDS,   ///< where fog scatters light to all sides alike
+    RSV_FOG_ABSORBS
+} rsv_fog_fate;
+
+/// What a path finds on its way through fog.
+typedef struct rsv_fog_crossing {
+    rsv_vec3 place;   ///< where it lands
+    rsv_rgb emission; ///< radiance that fog emitted and turned into the path where it did not end it, times its throughput: added to
+} rsv_fog_crossing;
+
+/// Takes a specular path through the fog on its last segment; its weight says what that let pass. Bodies displace fog.
+///
+/// Of an uneven phase function, the even share ends paths, as diffuse reflection does; the rest turns them, as specular events
+/// do, and gathers what sources send there straight.
+/// @param leaves the scene, so that the segment begins at the path's surface
+rsv_fog_fate rsv_specular_cross_fog(const rsv_transport_scene *scene, rsv_specular_path *path,
+    bool leaves, rsv_random *random, rsv_fog_crossing *crossing);
+
+/// The same for a path at no surface yet (rsv_specular_in_air), along a ray that meets nothing.
+rsv_fog_fate rsv_specular_cross_beyond(const rsv_transport_scene *scene, rsv_specular_path *path,
+    const rsv_ray *ray, rsv_random *random, rsv_fog_crossing *crossing);
+
+/// The same for a path that fog has met at a place.
+rsv_fog_fate rsv_specular_meet_fog(const rsv_transport_scene *scene, rsv_specular_path *path,
+    rsv_vec3 place, rsv_random *random, rsv_fog_crossing *crossing);
 
 #endif

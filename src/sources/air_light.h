@@ -3,7 +3,7 @@
 #ifndef RSV_AIR_LIGHT_H
 #define RSV_AIR_LIGHT_H
 
-#include "../sources/fog_lights.h"
+#include "fog_lights.h"
 #include "../trace/ray.h"
 
 /// Who asks. Borrowed.
@@ -17,12 +17,14 @@ typedef struct rsv_air_setting {
 typedef struct rsv_air_receiver {
     rsv_vec3 point;
     rsv_vec3 forward; ///< unit direction of the ray that came here, against which light is scattered; zero = to all sides alike
+    bool uneven;      ///< by the uneven part of the phase function alone (phase.h)
     rsv_vec3 near;    ///< middle of a sphere whose point and spot lights are left out
     float radius;     ///< of that, metres; 0 = none is
 } rsv_air_receiver;
 
-/// How much more than in the mean light from a direction is scattered along the ray that gathers it.
-float rsv_air_response(const rsv_fog *fog, rsv_vec3 forward, rsv_vec3 towards);
+/// How much more than in the mean light from a direction is scattered along the ray that gathers it: 4 pi times the phase
+/// function.
+float rsv_air_response(const rsv_fog *fog, const rsv_air_receiver *receiver, rsv_vec3 towards);
 
 /// Whether a punctual light is left out.
 RSV_INLINE bool rsv_air_leaves_out(const rsv_air_receiver *r, const rsv_punctual_light *light)

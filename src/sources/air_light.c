@@ -3,10 +3,12 @@
 #include "../media/fog_run.h"
 #include "../media/phase.h"
 
-float rsv_air_response(const rsv_fog *fog, rsv_vec3 forward, rsv_vec3 towards)
+float rsv_air_response(const rsv_fog *fog, const rsv_air_receiver *r, rsv_vec3 towards)
 {
-    if (fog->anisotropy == 0 || v3_dot(forward, forward) == 0) return 1;
-    return 4 * RSV_PI * rsv_phase(fog->anisotropy, v3_dot(forward, towards));
+    if (fog->anisotropy == 0 || v3_dot(r->forward, r->forward) == 0) return 1;
+    float cos = v3_dot(r->forward, towards);
+    return 4 * RSV_PI *
+           (r->uneven ? rsv_phase_uneven(fog->anisotropy, cos) : rsv_phase(fog->anisotropy, cos));
 }
 
 rsv_rgb rsv_air_passed(const rsv_air_setting *s, const rsv_ray *shadow, rsv_vec3 point,
@@ -26,7 +28,7 @@ static rsv_rgb add_sample(const rsv_air_setting *s, const rsv_air_receiver *r,
     rsv_ray shadow = rsv_shadow_ray(s->lights->lights, sample, r->point, r->point);
     ++*rays;
     rsv_rgb seen = rsv_air_passed(s, &shadow, r->point, sample->direction, sample->distance);
-    float response = rsv_air_response(s->fog, r->forward, sample->direction);
+    float response = rsv_air_response(s->fog, r, sample->direction);
     return rgb_scale(rgb_mul(sample->radiance, seen), weight * response);
 }
 
@@ -36,7 +38,7 @@ static rsv_rgb from_punctual(const rsv_air_setting *s, const rsv_air_receiver *r
     rsv_ray shadow = rsv_punctual_ray(light, r->point);
     ++*rays;
     rsv_rgb seen = rsv_air_passed(s, &shadow, r->point, light->direction, light->distance);
-    float response = rsv_air_response(s->fog, r->forward, light->direction);
+    float response = rsv_air_response(s->fog, r, light->direction);
     return rgb_scale(rgb_mul(light->irradiance, seen), response);
 }
 
