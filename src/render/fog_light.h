@@ -5,7 +5,7 @@
 #include "../solve/light.h"
 
 /// Radiance of light that comes straight from sampled sources and is scattered to all sides alike at a place in the fog, where
-/// gather rays end (specular/fog_flight.h): one sample of each source.
+/// gather rays end (specular/fog_flight.h): one sample of each source. That of lights close by is averaged over the voxel.
 rsv_rgb rsv_fog_scattered_sample(
     const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 

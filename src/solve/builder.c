@@ -305,7 +305,8 @@ static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
     double start = rsv_seconds(), path = rsv_team_path(b->context);
     RSV_TRY(create_elements(b));
     RSV_TRY(add_voxels(b));
-    uint32_t rays = rsv_reflects_diffusely(&b->scene) ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
+    bool matters = rsv_reflects_diffusely(&b->scene) || b->elements->voxels;
+    uint32_t rays = matters ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
     RSV_TRY(rsv_builder_trace(b, NULL, rays, op));
     RSV_TRY(rsv_operator_scatter(*op));
     RSV_TRY(find_sources(b, *op, light));

@@ -338,7 +338,7 @@ static void fog_loses_no_light(void **state)
         rsv_fog fog = box_of_fog(rgb_gray(1.5f), rgb_gray(1), v3(-1, -1, -1), v3(1, 1, 1));
         if (kind == 1) fog.anisotropy = 0.5f;
         fill(w, fog);
-        rsv_light *light = solve_with(w, 3000, 256);
+        rsv_light *light = solve_with(w, 3000, 1024);
         double power = kind == 0 ? 0.4 * M_PI : M_PI * 0.16;
         check(kind ? "panel in fog" : "point in fog", wall_mean(light), power / 24);
         rsv_light_destroy(light);
