@@ -118,6 +118,9 @@ bool rsv_fog_has_volume(const rsv_fog *fog);
 /// RSV_ERROR_UNSUPPORTED where the scene has fog without end. @param what will not go on: "a solution"
 rsv_status rsv_scene_refuse_endless_fog(const rsv_scene *scene, const char *what);
 
+/// RSV_ERROR_ARGUMENT for a scene that is not committed yet. Every public function that reads a scene's view asks first.
+rsv_status rsv_scene_require_committed(const rsv_scene *scene);
+
 /// RSV_ERROR_UNSUPPORTED where the scene has fog. @param what will not go on: "a solution"
 rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what);
 
