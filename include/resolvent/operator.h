@@ -66,9 +66,9 @@ RSV_API rsv_status rsv_operator_locate_probes(const rsv_operator *transport,
 typedef struct rsv_element {
     rsv_vec3 position, normal; ///< of the node, less rsv_scene_view.origin; the normal is 0 in fog
     rsv_rgb albedo;            ///< exitance over (diffused) irradiance, 0..1
-    float area;                ///< integral of the function, m2, in fog 4 x volume x extinction; 0 = it hangs
-    uint32_t triangle;         ///< one of those around the node, of the scene; UINT32_MAX in fog
-    bool back_side;            ///< of it
+    float area; ///< integral of the function, m2, in fog 4 x volume x extinction; 0 = it hangs
+    uint32_t triangle; ///< one of those around the node, of the scene; UINT32_MAX in fog
+    bool back_side;    ///< of it
 } rsv_element;
 
 /// @param element out, [element_count]

@@ -19,8 +19,7 @@ typedef struct polar_ray {
     double begin, end; ///< within the cell, metres
 } polar_ray;
 
-static polar_ray ray_from(
-    const rsv_voxels *v, uint32_t voxel, rsv_vec3 from, rsv_vec3 direction)
+static polar_ray ray_from(const rsv_voxels *v, uint32_t voxel, rsv_vec3 from, rsv_vec3 direction)
 {
     polar_ray ray = { direction, 0, INFINITY };
     rsv_vec3 low = rsv_voxel_low(v, voxel), high = v3_add(low, v->size);
@@ -95,8 +94,7 @@ rsv_rgb rsv_voxel_near_light(const rsv_voxel_air *a, uint32_t voxel, const rsv_a
     rsv_rgb sum = rgb_gray(0);
     for (size_t k = lights->distant_count; k < lights->punctual_count; k++) {
         const rsv_punctual_light *light = &lights->scene->light[lights->punctual[k]];
-        if (rsv_air_leaves_out(r, light))
-            sum = rgb_add(sum, sample_near(a, voxel, light, u, rays));
+        if (rsv_air_leaves_out(r, light)) sum = rgb_add(sum, sample_near(a, voxel, light, u, rays));
     }
     return sum;
 }

@@ -230,10 +230,10 @@ size_t rsv_elements_bytes(const rsv_elements *e)
            (e->led_begin ? e->node_count * sizeof *e->led_begin +
                                e->led_begin[e->node_count] * sizeof *e->led
                          : 0) +
-           (e->voxels ? e->voxels->cell_count * sizeof *e->voxels->begin +
-                            e->voxels->count *
-                                (sizeof *e->voxels->cell + sizeof *e->voxels->points +
-                                    sizeof *e->voxels->place_begin) +
-                            e->voxels->place_count * sizeof *e->voxels->place
-                      : 0);
+           (e->voxels
+                   ? e->voxels->cell_count * sizeof *e->voxels->begin +
+                         e->voxels->count * (sizeof *e->voxels->cell + sizeof *e->voxels->points +
+                                                sizeof *e->voxels->place_begin) +
+                         e->voxels->place_count * sizeof *e->voxels->place
+                   : 0);
 }

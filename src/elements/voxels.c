@@ -146,8 +146,7 @@ static bool is_cut(const rsv_voxels *v, size_t cell)
 }
 
 /// @param owner [CUT_PLACES] the voxel of each place of the cell
-static void find_owners(
-    const rsv_voxels *v, const rsv_tracer *tracer, size_t cell, uint32_t *owner)
+static void find_owners(const rsv_voxels *v, const rsv_tracer *tracer, size_t cell, uint32_t *owner)
 {
     for (uint32_t k = 0; k < CUT_PLACES; k++)
         owner[k] = rsv_voxels_find(v, tracer, sample_cell(v, cell, k));
@@ -251,16 +250,15 @@ rsv_vec3 rsv_voxel_centre(const rsv_voxels *v, uint32_t voxel)
 
 rsv_vec3 rsv_voxel_place(const rsv_voxels *v, uint32_t voxel, const float u[3])
 {
-    if (rsv_voxel_is_whole(v, voxel))
-        return place_in_cell(v, v->cell[voxel], v3(u[0], u[1], u[2]));
+    if (rsv_voxel_is_whole(v, voxel)) return place_in_cell(v, v->cell[voxel], v3(u[0], u[1], u[2]));
     uint32_t begin = v->place_begin[voxel], count = v->place_begin[voxel + 1] - begin;
-    if (count == 0)
-        return cell_point(v, v->cell[voxel], (uint32_t)__builtin_ctz(v->points[voxel]));
+    if (count == 0) return cell_point(v, v->cell[voxel], (uint32_t)__builtin_ctz(v->points[voxel]));
     return v->place[begin + (uint32_t)(u[0] * (float)count)];
 }
 
 /// The voxel of which a place sees a point; where it sees none, that of the nearest point.
-static uint32_t find_part(const rsv_voxels *v, const rsv_tracer *tracer, size_t cell, rsv_vec3 place)
+static uint32_t find_part(
+    const rsv_voxels *v, const rsv_tracer *tracer, size_t cell, rsv_vec3 place)
 {
     uint32_t nearest = v->begin[cell];
     float least = INFINITY;

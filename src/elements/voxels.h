@@ -17,9 +17,9 @@ typedef struct rsv_voxels {
     rsv_vec3 low, size; ///< corner of the grid; edges of a cell, metres
     uint32_t side[3];   ///< cells along each axis
     size_t cell_count, count, place_count;
-    uint32_t *begin;  ///< [cell_count + 1] first voxel of each cell
-    uint32_t *cell;   ///< [count]
-    uint16_t *points; ///< [count] bit k = point k of the cell lies in this voxel
+    uint32_t *begin;       ///< [cell_count + 1] first voxel of each cell
+    uint32_t *cell;        ///< [count]
+    uint16_t *points;      ///< [count] bit k = point k of the cell lies in this voxel
     uint32_t *place_begin; ///< [count + 1] into `place`
     rsv_vec3 *place;       ///< in voxels of cells that are cut, evenly distributed
 } rsv_voxels;

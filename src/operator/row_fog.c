@@ -14,8 +14,7 @@ void rsv_row_land(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray
     rsv_rgb glow = rsv_fog_glow(tracer->scene->view->fog), weight = gather->path.weight;
     if (!rgb_is_black(glow))
         s->emission = rgb_add(s->emission, rgb_mul(rgb_mul(glow, weight), entered));
-    uint32_t node =
-        rsv_elements_find_voxel(tracer->elements, tracer->scene->tracer, gather->place);
+    uint32_t node = rsv_elements_find_voxel(tracer->elements, tracer->scene->tracer, gather->place);
     if (node != RSV_NONE) rsv_row_record_node(s, ray, node, weight, entered);
 }
 
@@ -28,8 +27,8 @@ static rsv_ray ray_of_lane(const rsv_ray_packet *p, int k)
 }
 
 /// The free flight of a row's ray, stratified among all of the row.
-static rsv_fog_flight fly(const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t ray,
-    const rsv_ray *way)
+static rsv_fog_flight fly(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t ray, const rsv_ray *way)
 {
     rsv_fog_flight none = { false, v3(0, 0, 0), rgb_gray(1) };
     if (r->medium.depth) return none;
@@ -89,8 +88,7 @@ void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, ui
             path.weight = rgb_mul(path.weight, flight.weight);
             rsv_row_follow_path(tracer, s, ray, r, cos_receiver[k], path);
         } else {
-            rsv_escape_row_add(
-                &s->escapes, way.direction, rgb_mul(flight.weight, entered), 0);
+            rsv_escape_row_add(&s->escapes, way.direction, rgb_mul(flight.weight, entered), 0);
         }
     }
 }
@@ -101,8 +99,8 @@ static rsv_vec3 to_sphere(float x, float y, float z)
     return v3(2 * z * x, 2 * z * y, 2 * z * z - 1);
 }
 
-static void aim(const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first,
-    rsv_ray_packet *packet)
+static void aim(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
 {
     const rsv_elements *e = tracer->elements;
     const rsv_directions *d = &tracer->directions;

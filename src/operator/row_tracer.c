@@ -126,8 +126,7 @@ static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
     return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
 }
 
-rsv_emission_wanted rsv_row_emission_wanted(
-    const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
 {
     return (rsv_emission_wanted){ r->in_air ? counts_in_air : counts_by_gathering, tracer->lights };
 }
@@ -144,7 +143,8 @@ void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uin
     } else if (gather->end == RSV_SPECULAR_SCATTERED) {
         rsv_row_land(tracer, s, ray, gather, entered);
     } else if (gather->end == RSV_SPECULAR_ESCAPED) {
-        rsv_escape_row_add(&s->escapes, path->direction, rgb_mul(path->weight, entered), path->turns);
+        rsv_escape_row_add(
+            &s->escapes, path->direction, rgb_mul(path->weight, entered), path->turns);
     }
 }
 
@@ -230,8 +230,8 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         }
         if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
             s->kind[ray] = RSV_TARGET_SPECULAR;
-            rsv_row_follow_path(
-                tracer, s, ray, r, cos_receiver[k], rsv_row_begin_path(tracer, r, packet, (uint32_t)k));
+            rsv_row_follow_path(tracer, s, ray, r, cos_receiver[k],
+                rsv_row_begin_path(tracer, r, packet, (uint32_t)k));
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];

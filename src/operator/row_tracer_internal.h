@@ -32,8 +32,7 @@ rsv_specular_path rsv_row_begin_path(const rsv_row_tracer *tracer, const rsv_row
     const rsv_ray_packet *packet, uint32_t k);
 
 /// What light that a receiver gathers at that cosine counts for.
-rsv_rgb rsv_row_entering(
-    const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, float cos);
+rsv_rgb rsv_row_entering(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, float cos);
 
 /// The general case: specular surfaces, coats, emission, fog. @param path from rsv_row_begin_path
 void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,

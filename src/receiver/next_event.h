@@ -53,8 +53,8 @@ RSV_INLINE void rsv_next_event_at_place(const rsv_receiver *r, const rsv_entranc
 {
     rsv_rgb arriving = rgb_mul(rsv_entrance_weight(e, sample->distance), sample->radiance);
     if (!e->medium->depth)
-        arriving = rgb_mul(arriving, rsv_air_transmittance(lights, r->point.position,
-                                         sample->direction, sample->distance));
+        arriving = rgb_mul(arriving,
+            rsv_air_transmittance(lights, r->point.position, sample->direction, sample->distance));
     event->light =
         rgb_mul(rgb_scale(arriving, response.factor / sample->pdf_solid_angle), response.share);
     event->ray =
@@ -94,8 +94,8 @@ RSV_INLINE void rsv_next_event_at_light(const rsv_receiver *r, const rsv_entranc
 {
     rsv_rgb arriving = rgb_mul(rsv_entrance_weight(e, light->distance), light->irradiance);
     if (!e->medium->depth)
-        arriving = rgb_mul(arriving, rsv_air_transmittance(lights, r->point.position,
-                                         light->direction, light->distance));
+        arriving = rgb_mul(arriving,
+            rsv_air_transmittance(lights, r->point.position, light->direction, light->distance));
     event->light = rgb_mul(rgb_scale(arriving, response.factor), response.share);
     event->ray = rsv_punctual_ray(light, rsv_receiver_start(r, light->direction));
 }

@@ -1,8 +1,8 @@
 #include "fog_light.h"
 
 #include "../direct/voxel_direct.h"
-#include "../sources/air_light.h"
 #include "../media/phase.h"
+#include "../sources/air_light.h"
 #include "../specular/fog_flight.h"
 #include "lit_gather.h"
 #include "pixel_direct.h"
@@ -32,7 +32,7 @@ static rsv_rgb sample_fluence(
     return rsv_air_light(&setting, receiver, u, &rays);
 }
 
-rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
+rsv_rgb rsv_fog_fluence_sample(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
 {
     const rsv_voxel_air air = { s->elements->voxels, setting_of(s) };
     float u[3];
@@ -43,7 +43,12 @@ rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *s, rsv_vec3 place, rsv_ra
     for (int k = 0; k < 3; k++)
         u[k] = rsv_random_float(random);
     rsv_rgb near = rsv_voxel_near_light(&air, voxel, &receiver, u, &rays);
-    return scatter(s, rgb_add(near, sample_fluence(s, &receiver, random)));
+    return rgb_add(near, sample_fluence(s, &receiver, random));
+}
+
+rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
+{
+    return scatter(s, rsv_fog_fluence_sample(s, place, random));
 }
 
 rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *s, rsv_vec3 place, bool skip_sampled)
@@ -137,15 +142,15 @@ static rsv_vec3 middle_of(const rsv_fog_lights *l, uint32_t entry)
     const rsv_punctual_light *light = rsv_fog_light_punctual(l, entry);
     if (light) return light->position;
     const rsv_emitter *emitter = &l->lights->emitter[l->lights->sampled[entry]];
-    return v3_scale(v3_add(v3_add(emitter->corner[0], emitter->corner[1]), emitter->corner[2]),
-        1.0f / 3);
+    return v3_scale(
+        v3_add(v3_add(emitter->corner[0], emitter->corner[1]), emitter->corner[2]), 1.0f / 3);
 }
 
 static rsv_equiangular angle_at(const march *m, uint32_t entry)
 {
     const rsv_ray *ray = &m->segment->ray;
-    return rsv_equiangular_of(ray->origin, ray->direction,
-        middle_of(m->light->fog_lights, entry), m->run.begin, m->run.end);
+    return rsv_equiangular_of(ray->origin, ray->direction, middle_of(m->light->fog_lights, entry),
+        m->run.begin, m->run.end);
 }
 
 /// A light with a place, and a distance at which it is scattered. Both are drawn in two ways: the distance as the fog takes
@@ -185,8 +190,8 @@ static void add_light(const march *m, const scattering *s, const float u[2])
     double density = by_angle + distance_pdf(m, s->distance) *
                                     (double)rsv_fog_choice_probability(&s->choice, s->entry);
     if (!(density > 0)) return;
-    add_scattered(m, s->distance,
-        rsv_air_light_of_entry(&setting, &receiver, s->entry, u, &rays), density);
+    add_scattered(
+        m, s->distance, rsv_air_light_of_entry(&setting, &receiver, s->entry, u, &rays), density);
 }
 
 static void add_placed_lights(const march *m, double distance)
@@ -233,10 +238,10 @@ static void add_turned(const march *m, rsv_rgb weight, const rsv_ray *ray, rsv_r
     rsv_bsdf storage;
     rsv_rgb albedo = rsv_specular_bsdf(&s->scene, end, &storage)->base_color;
     weight = rgb_scale(rgb_mul(weight, albedo), 1 / RSV_PI);
-    add(m, 2, weight, rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
-                          rsv_sampled_irradiance(s, end, random)));
-    add(m, 3, weight,
-        rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+    add(m, 2, weight,
+        rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
+            rsv_sampled_irradiance(s, end, random)));
+    add(m, 3, weight, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
 }
 
 /// Light that the uneven part of the phase function turns into the path at a distance. In mode operator, straight from sources,
@@ -252,8 +257,7 @@ static void add_uneven(const march *m, double distance, double density, rsv_rand
     rsv_vec3 place = place_at(m, distance), forward = m->segment->ray.direction;
     const rsv_air_receiver receiver = { .point = place, .forward = forward, .uneven = true };
     if (!m->segment->final)
-        add(m, 1, rgb_scale(weight, 1 / (4 * RSV_PI)),
-            sample_fluence(m->light, &receiver, random));
+        add(m, 1, rgb_scale(weight, 1 / (4 * RSV_PI)), sample_fluence(m->light, &receiver, random));
     rsv_ray ray = { place, rsv_fog_draw_turn(fog->anisotropy, forward, random), INFINITY };
     add_turned(m, weight, &ray, random);
 }
@@ -274,16 +278,16 @@ static void add_sampled(march *m)
     const rsv_air_receiver receiver = { .point = place_at(m, distance),
         .forward = m->segment->ray.direction };
     add_placed_lights(m, distance);
-    add_scattered(
-        m, distance, rsv_air_light_from_afar(&setting, &receiver, u + 6, &rays), density);
+    add_scattered(m, distance, rsv_air_light_from_afar(&setting, &receiver, u + 6, &rays), density);
 }
 
 rsv_rgb rsv_fog_march(
     const rsv_light_view *s, const rsv_fog_segment *segment, rsv_fog_sink sink, void *user)
 {
     const rsv_ray *ray = &segment->ray;
-    march m = { .light = s, .fog = s->scene.view->fog, .segment = segment, .sink = sink,
-        .user = user };
+    march m = {
+        .light = s, .fog = s->scene.view->fog, .segment = segment, .sink = sink, .user = user
+    };
     m.even = (float)rsv_phase_even_share(m.fog->anisotropy);
     m.run = rsv_fog_run_of(m.fog, ray->origin, ray->direction, ray->t_max);
     if (!(m.run.column > 0)) return rgb_gray(1);

@@ -4,10 +4,13 @@
 
 #include "../solve/light.h"
 
+/// Fluence that comes straight from sampled sources to a place in the fog: one sample of each. That of lights close by is
+/// averaged over the voxel.
+rsv_rgb rsv_fog_fluence_sample(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
+
 /// Radiance of light that comes straight from sampled sources and is scattered to all sides alike at a place in the fog, where
-/// gather rays end (specular/fog_flight.h): one sample of each source. That of lights close by is averaged over the voxel.
-rsv_rgb rsv_fog_scattered_sample(
-    const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
+/// gather rays end (specular/fog_flight.h).
+rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
 /// Radiance that the fog emits at a place and scatters of what is stored there.
 /// @param skip_sampled leave out what next-event estimation finds
@@ -27,7 +30,7 @@ typedef struct rsv_fog_segment {
     float u[8];         ///< numbers in [0, 1) for what is sampled, in pairs
     uint32_t seed;      ///< for further ones
     bool final;         ///< light scattered once is sampled; else it is looked up
-    bool by_order;      ///< what is stored is handed over order by order; else all of it as of order 2
+    bool by_order; ///< what is stored is handed over order by order; else all of it as of order 2
 } rsv_fog_segment;
 
 /// Hands over what the fog scatters and emits along a segment towards its beginning. Voxels are integrated in closed form.

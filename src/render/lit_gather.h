@@ -10,7 +10,8 @@
 typedef struct rsv_lit_setting {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
-    bool shot; ///< leaves out what photons bring: emitters that are not gathered, suns and punctual lights
+    bool
+        shot; ///< leaves out what photons bring: emitters that are not gathered, suns and punctual lights
 } rsv_lit_setting;
 
 /// Follows a specular path from its first surface to its diffuse end, drawing events by their probability. Emission of gathered

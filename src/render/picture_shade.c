@@ -102,8 +102,7 @@ static void add_gathered_in_fog(
     rsv_rgb direct = rgb_add(rsv_light_view_scattered(s, node, 0, true),
         rsv_fog_scattered_sample(s, gather->place, random));
     weight = rgb_scale(weight, RSV_PI); // of radiance, not of irradiance
-    rsv_picture_add_light(
-        r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
+    rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
     for (uint32_t order = 1; order < s->order_count; order++) {
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
@@ -147,8 +146,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         rsv_gather gather = follow_gather_ray(s, &ray, &path->medium, &random);
         rsv_rgb entered = rgb_scale(rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z)), 1 / (float)rays);
         if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, entered, &random);
-        if (gather.end == RSV_SPECULAR_SCATTERED)
-            add_gathered_in_fog(r, &gather, entered, &random);
+        if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, entered, &random);
         // of sources that fog has turned into the ray: nothing else was asked for
         rsv_picture_add_light(
             r, r->column, 2, rgb_scale(rgb_mul(entered, gather.emission), RSV_PI));

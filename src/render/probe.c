@@ -173,9 +173,8 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
     rsv_gather gather = rsv_gather_lit_ray(&setting, &r->medium, &ray, random);
     rsv_rgb radiance = gather.emission;
     if (gather.end == RSV_SPECULAR_SCATTERED)
-        return rgb_add(radiance,
-            rgb_mul(gather.path.weight,
-                rsv_fog_radiance_at(s, gather.place, random)));
+        return rgb_add(
+            radiance, rgb_mul(gather.path.weight, rsv_fog_radiance_at(s, gather.place, random)));
     if (gather.end != RSV_SPECULAR_DIFFUSE) return radiance;
     const rsv_specular_path *end = &gather.path;
     uint32_t face = s->elements->face_of[end->back][end->triangle];

@@ -101,7 +101,8 @@ RSV_SHARED rsv_rgb rsv_rough_light(
         rsv_punctual_sample light;
         if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
         bool below = v3_dot(s->normal, light.direction) < 0;
-        if (below < sides) sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], lights, &light));
+        if (below < sides)
+            sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], lights, &light));
     }
     return sum;
 }

@@ -42,15 +42,15 @@ static rsv_rgb from_punctual(const rsv_air_setting *s, const rsv_air_receiver *r
     return rgb_scale(rgb_mul(light->irradiance, seen), response);
 }
 
-rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *s, const rsv_air_receiver *r,
-    uint32_t entry, const float u[2], uint64_t *rays)
+rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *s, const rsv_air_receiver *r, uint32_t entry,
+    const float u[2], uint64_t *rays)
 {
     rsv_punctual_sample light = { .light = rsv_fog_light_punctual(s->lights, entry) };
     const rsv_fog_choice here = { .lights = s->lights, .point = r->point };
     rsv_light_sample sample;
     if (light.light)
-        return rsv_punctual_irradiance(light.light, r->point, &light.direction, &light.distance,
-                   &light.irradiance)
+        return rsv_punctual_irradiance(
+                   light.light, r->point, &light.direction, &light.distance, &light.irradiance)
                    ? from_punctual(s, r, &light, rays)
                    : rgb_gray(0);
     if (!rsv_fog_sample_emitter(&here, entry, u[0], u[1], &sample)) return rgb_gray(0);
@@ -58,8 +58,8 @@ rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *s, const rsv_air_receiver 
 }
 
 /// Of the choice at the receiver, emitters alone: punctual lights are asked one by one.
-static rsv_rgb from_emitter(const rsv_air_setting *s, const rsv_air_receiver *r, const float u[3],
-    uint64_t *rays)
+static rsv_rgb from_emitter(
+    const rsv_air_setting *s, const rsv_air_receiver *r, const float u[3], uint64_t *rays)
 {
     rsv_fog_choice choice;
     float probability = 0;
@@ -70,8 +70,8 @@ static rsv_rgb from_emitter(const rsv_air_setting *s, const rsv_air_receiver *r,
     return rgb_scale(rsv_air_light_of_entry(s, r, entry, u + 1, rays), 1 / probability);
 }
 
-static rsv_rgb from_suns_and_sky(const rsv_air_setting *s, const rsv_air_receiver *r,
-    const float u[2], uint64_t *rays)
+static rsv_rgb from_suns_and_sky(
+    const rsv_air_setting *s, const rsv_air_receiver *r, const float u[2], uint64_t *rays)
 {
     const rsv_environment_light *sky = s->lights->lights->environment;
     rsv_rgb sum = rgb_gray(0);
@@ -88,8 +88,8 @@ static rsv_rgb from_suns_and_sky(const rsv_air_setting *s, const rsv_air_receive
     return rgb_add(sum, add_sample(s, r, &sample, 1 / pdf, rays));
 }
 
-rsv_rgb rsv_air_light(const rsv_air_setting *s, const rsv_air_receiver *r, const float u[5],
-    uint64_t *rays)
+rsv_rgb rsv_air_light(
+    const rsv_air_setting *s, const rsv_air_receiver *r, const float u[5], uint64_t *rays)
 {
     const rsv_lights *lights = s->lights->lights;
     rsv_rgb sum = rgb_add(from_emitter(s, r, u, rays), from_suns_and_sky(s, r, u + 3, rays));
@@ -102,8 +102,8 @@ rsv_rgb rsv_air_light(const rsv_air_setting *s, const rsv_air_receiver *r, const
     return sum;
 }
 
-rsv_rgb rsv_air_light_from_afar(const rsv_air_setting *s, const rsv_air_receiver *r,
-    const float u[2], uint64_t *rays)
+rsv_rgb rsv_air_light_from_afar(
+    const rsv_air_setting *s, const rsv_air_receiver *r, const float u[2], uint64_t *rays)
 {
     const rsv_lights *lights = s->lights->lights;
     rsv_rgb sum = from_suns_and_sky(s, r, u, rays);

@@ -3,8 +3,8 @@
 #ifndef RSV_AIR_LIGHT_H
 #define RSV_AIR_LIGHT_H
 
-#include "fog_lights.h"
 #include "../trace/ray.h"
+#include "fog_lights.h"
 
 /// Who asks. Borrowed.
 typedef struct rsv_air_setting {
@@ -16,10 +16,11 @@ typedef struct rsv_air_setting {
 /// A place in the fog.
 typedef struct rsv_air_receiver {
     rsv_vec3 point;
-    rsv_vec3 forward; ///< unit direction of the ray that came here, against which light is scattered; zero = to all sides alike
-    bool uneven;      ///< by the uneven part of the phase function alone (phase.h)
-    rsv_vec3 near;    ///< middle of a sphere whose point and spot lights are left out
-    float radius;     ///< of that, metres; 0 = none is
+    rsv_vec3
+        forward; ///< unit direction of the ray that came here, against which light is scattered; zero = to all sides alike
+    bool uneven; ///< by the uneven part of the phase function alone (phase.h)
+    rsv_vec3 near; ///< middle of a sphere whose point and spot lights are left out
+    float radius;  ///< of that, metres; 0 = none is
 } rsv_air_receiver;
 
 /// How much more than in the mean light from a direction is scattered along the ray that gathers it: 4 pi times the phase

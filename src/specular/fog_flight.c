@@ -10,7 +10,9 @@ static rsv_rgb turned_light(const rsv_transport_scene *scene, const rsv_specular
 {
     const rsv_fog *fog = scene->view->fog;
     const rsv_air_setting setting = { scene->fog_lights, scene->tracer, fog };
-    const rsv_air_receiver receiver = { .point = place, .forward = path->direction, .uneven = true };
+    const rsv_air_receiver receiver = {
+        .point = place, .forward = path->direction, .uneven = true
+    };
     uint64_t rays = 0;
     float u[5];
     for (int k = 0; k < 5; k++)
@@ -37,12 +39,10 @@ static bool turn(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_
     rsv_random *random, rsv_fog_crossing *crossing)
 {
     const rsv_fog *fog = scene->view->fog;
-    crossing->emission =
-        rgb_add(crossing->emission, rgb_mul(path->weight, rsv_fog_glow(fog)));
+    crossing->emission = rgb_add(crossing->emission, rgb_mul(path->weight, rsv_fog_glow(fog)));
     path->weight = rgb_mul(path->weight, fog->albedo);
     if (rgb_is_black(path->weight)) return false;
-    crossing->emission =
-        rgb_add(crossing->emission, turned_light(scene, path, place, random));
+    crossing->emission = rgb_add(crossing->emission, turned_light(scene, path, place, random));
     if (!rsv_specular_survives(&path->weight, random)) return false;
     path->direction = rsv_fog_draw_turn(fog->anisotropy, path->direction, random);
     path->turns = 0; // what comes straight from sources was gathered
@@ -71,8 +71,7 @@ typedef struct segment {
 } segment;
 
 /// The segment that leaves a place where the path was turned.
-static segment send(
-    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_vec3 place)
+static segment send(const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_vec3 place)
 {
     segment s = { .ray = { place, path->direction, INFINITY }, .turned = true };
     if (rsv_ray_meets(scene->tracer, &s.ray, &s.hit))
@@ -88,8 +87,8 @@ static rsv_fog_fate arrive(
 {
     if (s->hit.triangle == RSV_NONE) return RSV_FOG_ESCAPES;
     if (s->turned)
-        rsv_specular_end_segment(scene, path, &s->hit,
-            rsv_meets_back(scene, s->hit.triangle, path->direction));
+        rsv_specular_end_segment(
+            scene, path, &s->hit, rsv_meets_back(scene, s->hit.triangle, path->direction));
     path->length = 0;
     return RSV_FOG_MEETS;
 }

@@ -42,8 +42,8 @@ RSV_INLINE rsv_fog_flight rsv_fog_dim(const rsv_fog *fog, const rsv_fog_run *run
 
 /// @param direction unit @param length metres; may be INFINITY @param throughput of the ray so far
 /// @param u_channel, u in [0, 1)
-RSV_INLINE rsv_fog_flight rsv_fog_fly(const rsv_fog *fog, const rsv_ray *ray, rsv_rgb throughput,
-    float u_channel, float u)
+RSV_INLINE rsv_fog_flight rsv_fog_fly(
+    const rsv_fog *fog, const rsv_ray *ray, rsv_rgb throughput, float u_channel, float u)
 {
     rsv_fog_run run = rsv_fog_run_of(fog, ray->origin, ray->direction, ray->t_max);
     rsv_fog_flight flight = { false, v3(0, 0, 0), rgb_gray(1) };
@@ -107,8 +107,9 @@ typedef enum rsv_fog_fate {
 
 /// What a path finds on its way through fog.
 typedef struct rsv_fog_crossing {
-    rsv_vec3 place;   ///< where it lands
-    rsv_rgb emission; ///< radiance that fog emitted and turned into the path where it did not end it, times its throughput: added to
+    rsv_vec3 place; ///< where it lands
+    rsv_rgb
+        emission; ///< radiance that fog emitted and turned into the path where it did not end it, times its throughput: added to
 } rsv_fog_crossing;
 
 /// Takes a specular path through the fog on its last segment; its weight says what that let pass. Bodies displace fog.

@@ -78,8 +78,7 @@ rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_pa
     rsv_random *random, rsv_emission_filter filter, const void *user)
 {
     const rsv_emission_wanted wanted = { filter, user };
-    return follow(
-        scene, path, random, &wanted, (rsv_gather){ .end = RSV_SPECULAR_ABSORBED });
+    return follow(scene, path, random, &wanted, (rsv_gather){ .end = RSV_SPECULAR_ABSORBED });
 }
 
 /// After the fog on the first segment. @return false if that ends the path

@@ -65,7 +65,8 @@ typedef struct rsv_gather {
     rsv_specular_path
         path; ///< at the diffuse interface, if end is RSV_SPECULAR_DIFFUSE; its weight is then the
               ///< throughput of radiance, the coat of that interface included
-    rsv_vec3 place;   ///< in the fog, if end is RSV_SPECULAR_SCATTERED; the path's weight is then its throughput
+    rsv_vec3
+        place; ///< in the fog, if end is RSV_SPECULAR_SCATTERED; the path's weight is then its throughput
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 

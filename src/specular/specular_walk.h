@@ -14,7 +14,8 @@ typedef struct rsv_transport_scene {
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
-    const struct rsv_fog_lights *fog_lights; ///< what fog that scatters unevenly is lit by; NULL = nothing
+    const struct rsv_fog_lights
+        *fog_lights; ///< what fog that scatters unevenly is lit by; NULL = nothing
     const struct rsv_known_cells *known_cells; ///< of an earlier version; NULL = none
     const struct rsv_update *update;           ///< what is taken over from it; NULL = nothing
 } rsv_transport_scene;
