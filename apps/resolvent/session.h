@@ -43,7 +43,9 @@ typedef struct cli_session {
     cli_moment moment;        ///< that scenes are opened at
     rsv_animation *animation; ///< that scenes came from; NULL = none
     cli_reading reading;
-    bool keep_document;        ///< scenes are to keep the glTF file that they come from
+    bool keep_document; ///< scenes are to keep the glTF file that they come from
+    const char
+        *clear_air; ///< what the command makes, if it leaves fog out: "a bake"; NULL = it does not
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far
@@ -138,9 +140,10 @@ typedef struct cli_environment {
     "  --fog E[,A[,G]]    fill the air with a medium: extinction E per metre, albedo A (default "  \
     "1)\n"                                                                                         \
     "                     and mean cosine G of scattering (default 0); E and A may be R:G:B; "     \
-    "so\n"                                                                                         \
-    "                     far modes reference alone follow light through it\n"                     \
-    "  --fog-height H[,Y] above the height Y (default 0) it thins to 1/e every H metres\n"
+    "for\n"                                                                                        \
+    "                     render, probe and certify\n"                                             \
+    "  --fog-height H[,Y] above the height Y (default 0) it thins to 1/e every H metres; mode\n"   \
+    "                     reference alone\n"
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
 /// Prints what went wrong; returns NULL then.

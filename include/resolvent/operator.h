@@ -61,13 +61,14 @@ RSV_API bool rsv_operator_locate(const rsv_operator *transport, uint32_t triangl
 RSV_API rsv_status rsv_operator_locate_probes(const rsv_operator *transport,
     const rsv_probe *probes, size_t count, rsv_element_weights *around);
 
-/// An element: the function that is 1 at its node, falls to 0 at the nodes around, and is linear in between.
+/// An element: the function that is 1 at its node, falls to 0 at the nodes around, and is linear in between. In fog, a part of
+/// the air whose irradiance is a quarter of its fluence.
 typedef struct rsv_element {
-    rsv_vec3 position, normal; ///< of the node, less rsv_scene_view.origin
+    rsv_vec3 position, normal; ///< of the node, less rsv_scene_view.origin; the normal is 0 in fog
     rsv_rgb albedo;            ///< exitance over (diffused) irradiance, 0..1
-    float area;                ///< integral of the function, m2; 0 = it hangs
-    uint32_t triangle;         ///< one of those around the node, of the scene
-    bool back_side;            ///< of it
+    float area; ///< integral of the function, m2, in fog 4 x volume x extinction; 0 = it hangs
+    uint32_t triangle; ///< one of those around the node, of the scene; UINT32_MAX in fog
+    bool back_side;    ///< of it
 } rsv_element;
 
 /// @param element out, [element_count]

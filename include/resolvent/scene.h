@@ -306,8 +306,9 @@ RSV_API const char *const *rsv_environment_builtin_names(void);
 RSV_API rsv_fog rsv_default_fog(void);
 
 /// Fills a committed scene with fog (NULL, or one without extinction: with clear air). Heights and the box are in the
-/// coordinates of the scene's file. RSV_ERROR_ARGUMENT for values outside their ranges. Fog is followed by rsv_render_reference
-/// and rsv_probe_reference; everything else refuses the scene with RSV_ERROR_UNSUPPORTED.
+/// coordinates of the scene's file. RSV_ERROR_ARGUMENT for values outside their ranges. Modes reference follow light through any
+/// fog; rsv_light_create through fog in a finite box, and rsv_render, rsv_probe_irradiance and rsv_certify with its solution.
+/// All else refuses the scene with RSV_ERROR_UNSUPPORTED (docs/media.md).
 RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 
 /// Flattens and checks. RSV_ERROR_SCENE if nothing remains to be drawn. A scene without a camera gets

@@ -1,5 +1,6 @@
 #include "resolvent/certify.h"
 
+#include "../elements/voxels.h"
 #include "amplification.h"
 #include "error_field.h"
 #include "point_density.h"
@@ -7,6 +8,7 @@
 /// Separates the points from all that the build draws from its seed.
 #define SEED_OF_POINTS 0x7f4a7c15u
 #define SEED_OF_PHOTONS 0x51c0a7e9u
+#define SEED_OF_AIR 0x2c9277b5u
 
 /// What is worked on.
 typedef struct examination {
@@ -157,16 +159,71 @@ static double medium_factor(const examination *x)
     return most > 0 ? (double)(most / least) * (double)(most / least) : 1;
 }
 
+// ---- fog ----------------------------------------------------------------------------------------
+
+/// The area of all voxels (node_area), summed up. @param sum [count] out
+static double sum_areas(const rsv_elements *e, double *sum)
+{
+    double total = 0;
+    const float *area = e->node_area + rsv_elements_surface_nodes(e);
+    for (size_t k = 0; k < e->voxels->count; k++)
+        sum[k] = total += (double)area[k];
+    return total;
+}
+
+/// Mean of the squared residual in the air.
+static rsv_moments measure_air(examination *x, const double *sum, double total)
+{
+    const rsv_light_view *s = x->solution;
+    rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_AIR), count = x->desc.samples;
+    uint64_t rays = 0;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(s->context))     reduction(+ : rays)
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
+        double at = total * ((double)k + (double)rsv_unit_float(stream)) / count;
+        size_t voxel = rsv_interval_at(sum, s->elements->voxels->count, at);
+        x->value[k] = 0;
+        if (rsv_cancelled(s->context)) continue;
+        rsv_residual r = rsv_residual_in_air(&job, (uint32_t)voxel, stream);
+        if (is_finite(&r)) x->value[k] = luminance(r.residual[0]) * luminance(r.residual[1]);
+        rays += r.rays;
+    }
+    x->certificate->rays += rays;
+    return rsv_moments_of(x->value, count);
+}
+
+/// What the residual in the air adds to the bound: of the squared one, per area of the surfaces. Errors there come to surfaces
+/// as those of surfaces do. @param squared out
+static rsv_status judge_air(examination *x, double *squared)
+{
+    const rsv_light_view *s = x->solution;
+    *squared = 0;
+    if (!s->elements->voxels) return RSV_OK;
+    double *sum = rsv_alloc(s->context, s->elements->voxels->count, sizeof *sum);
+    if (!sum) return RSV_ERROR_MEMORY;
+    double total = sum_areas(s->elements, sum);
+    rsv_moments m = measure_air(x, sum, total);
+    *squared = fmax(m.ci95[1], 0) * total / (double)x->density.area;
+    rsv_free(s->context, sum);
+    return rsv_progress(s->context, "certify", 1);
+}
+
 static rsv_status judge_bound(examination *x)
 {
     rsv_certificate *c = x->certificate;
     rsv_amplification a;
+    double air;
+    rsv_status status = judge_air(x, &air);
+    if (status != RSV_OK) return status;
     c->max_albedo = largest_albedo(x->solution);
     c->medium_factor = medium_factor(x);
-    rsv_status status = rsv_amplification_of(x->solution, c->max_albedo, &a);
+    status = rsv_amplification_of(x->solution, c->max_albedo, &a);
     if (status != RSV_OK) return status;
     c->amplification = c->medium_factor * a.coat_factor * a.factor;
-    c->error_bound_rms = c->residual_ci95[1] > 0 ? c->amplification * c->residual_ci95[1] : 0;
+    double most = fmax(c->residual_ci95[1], 0);
+    if (air > 0) most = sqrt(most * most + air);
+    c->error_bound_rms = most > 0 ? c->amplification * most : 0;
     return RSV_OK;
 }
 

@@ -114,6 +114,7 @@ static rsv_status certify_aim(const rsv_light_view *s, const rsv_certify_desc *d
     goal_job job = { .solution = s, .desc = desc ? *desc : rsv_default_certify_desc() };
     *certificate = (rsv_goal_certificate){ 0 };
     RSV_TRY(rsv_check_certify_desc(&job.desc));
+    RSV_TRY(rsv_light_refuse_fog(s, "the error of one picture or of readings"));
     if (s->elements->cell_count == 0) return RSV_OK;
     job.seed = rsv_hash2(job.desc.seed, SEED_OF_GOAL);
     job.importance = rsv_alloc(s->context, s->elements->node_count, sizeof *job.importance);

@@ -1,7 +1,9 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
+#include "../elements/voxels.h"
 #include "../receiver/next_event.h"
+#include "../render/fog_light.h"
 #include "../render/pixel_direct.h"
 #include "../sources/partition.h"
 
@@ -138,27 +140,53 @@ static rsv_rgb radiance_at_end(const receiver *r, const rsv_specular_path *end, 
     return rgb_scale(rgb_mul(end->weight, exitance), 1 / RSV_PI);
 }
 
+/// E~ where a gather ray ends in the fog.
+static rsv_rgb radiance_in_fog(const receiver *r, rsv_vec3 place, rsv_random *random)
+{
+    const rsv_light_view *s = r->job->solution;
+    if (r->job->exact_direct) return rsv_fog_radiance_at(s, place, random);
+    return rsv_fog_stored_radiance(s, place, false);
+}
+
+/// @param entered what light along the ray counts for
+static rsv_gather follow(const receiver *r, const rsv_ray *ray, rsv_rgb entered, rsv_random *random)
+{
+    const rsv_transport_scene *scene = &r->job->solution->scene;
+    const rsv_emission_wanted wanted = { counts, r->job };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) {
+        rsv_gather beyond = rsv_specular_gather_beyond(scene, &r->medium, ray, random, &wanted);
+        beyond.emission = rgb_mul(beyond.emission, entered);
+        beyond.path.weight = rgb_mul(beyond.path.weight, entered);
+        return beyond;
+    }
+    rsv_specular_path first = rsv_specular_begin(scene, &r->medium, ray->direction, hit);
+    rsv_specular_set_spread(&first, 0, hit.t);
+    first.weight = rgb_mul(first.weight, entered);
+    return rsv_specular_gather(scene, first, random, counts, r->job);
+}
+
+/// Radiance that a gather ray has found.
+static rsv_rgb radiance_of(const receiver *r, const rsv_gather *gather, rsv_random *random)
+{
+    const rsv_specular_path *end = &gather->path;
+    if (gather->end == RSV_SPECULAR_ESCAPED)
+        return rgb_add(gather->emission,
+            rgb_mul(end->weight, radiance_beyond(r->job, end->direction, end->turns)));
+    if (gather->end == RSV_SPECULAR_SCATTERED)
+        return rgb_add(
+            gather->emission, rgb_mul(end->weight, radiance_in_fog(r, gather->place, random)));
+    if (gather->end != RSV_SPECULAR_DIFFUSE) return gather->emission;
+    return rgb_add(gather->emission, radiance_at_end(r, end, random));
+}
+
 static rsv_rgb gather_one(
     const receiver *r, rsv_vec3 direction, rsv_rgb entered, rsv_random *random)
 {
-    const rsv_residual_job *job = r->job;
-    const rsv_transport_scene *scene = &job->solution->scene;
     rsv_ray ray = { rsv_receiver_start(&r->at, direction), direction, INFINITY };
-    rsv_hit hit;
-    r->result->rays++;
-    if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
-        return rgb_mul(entered, radiance_beyond(job, direction, 0));
-    rsv_specular_path first = rsv_specular_begin(scene, &r->medium, direction, hit);
-    rsv_specular_set_spread(&first, 0, hit.t);
-    first.weight = rgb_mul(first.weight, entered);
-    rsv_gather gather = rsv_specular_gather(scene, first, random, counts, job);
-    r->result->rays += gather.path.rays;
-    if (gather.end == RSV_SPECULAR_ESCAPED)
-        return rgb_add(
-            gather.emission, rgb_mul(gather.path.weight,
-                                 radiance_beyond(job, gather.path.direction, gather.path.turns)));
-    if (gather.end != RSV_SPECULAR_DIFFUSE) return gather.emission;
-    return rgb_add(gather.emission, radiance_at_end(r, &gather.path, random));
+    rsv_gather gather = follow(r, &ray, entered, random);
+    r->result->rays += 1 + gather.path.rays;
+    return radiance_of(r, &gather, random);
 }
 
 /// Gather rays find small lamps through glass now and then only: where caustics are bright, more rays are due. What
@@ -219,6 +247,59 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
         }
         result.residual[half] = rgb_sub(found, stored);
         result.irradiance[half] = job->exact_direct ? rgb_add(stored, direct) : stored;
+    }
+    return result;
+}
+
+// ---- in fog ---------------------------------------------------------------------------------------
+
+/// A quarter of the fluence that arrives at a place other than straight from sampled sources.
+static rsv_rgb gather_in_air(const receiver *r, rsv_vec3 place, uint32_t stream)
+{
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < r->job->gather_rays; k++) {
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        rsv_random random = rsv_random_from(stream, k, 0x2f6u);
+        rsv_ray ray = { place, rsv_square_to_sphere(x, y), INFINITY };
+        rsv_gather gather = follow(r, &ray, rgb_gray(1), &random);
+        r->result->rays += 1 + gather.path.rays;
+        sum = rgb_add(sum, radiance_of(r, &gather, &random));
+    }
+    return rgb_scale(sum, RSV_PI / (float)r->job->gather_rays);
+}
+
+/// The same straight from those.
+static rsv_rgb direct_in_air(const receiver *r, rsv_vec3 place, uint32_t stream)
+{
+    rsv_rgb sum = rgb_gray(0);
+    rsv_random random = rsv_random_from(stream, 1, 0x51f2u);
+    for (uint32_t k = 0; k < r->job->light_samples; k++)
+        sum = rgb_add(sum, rsv_fog_fluence_sample(r->job->solution, place, &random));
+    return rgb_scale(sum, 0.25f / (float)r->job->light_samples);
+}
+
+rsv_residual rsv_residual_in_air(const rsv_residual_job *job, uint32_t voxel, uint32_t stream)
+{
+    const rsv_light_view *s = job->solution;
+    const rsv_elements *e = s->elements;
+    rsv_residual result = { 0 };
+    rsv_residual_job own = *job;
+    const receiver r = { .job = &own, .result = &result };
+    size_t node = rsv_elements_surface_nodes(e) + voxel;
+    rsv_random random = rsv_random_from(stream, 0, 0xa12u);
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(&random);
+    rsv_vec3 place = rsv_voxel_place(e->voxels, voxel, u);
+    rsv_rgb stored = rgb_add(s->source[node], s->indirect[node]);
+    own.stored_caustics = false; // there are no photons in the air
+    for (uint32_t half = 0; half < 2; half++) {
+        uint32_t half_stream = rsv_hash3(stream, half, 0xc3a5u);
+        rsv_rgb found =
+            rgb_add(gather_in_air(&r, place, half_stream), direct_in_air(&r, place, half_stream));
+        result.residual[half] = rgb_sub(found, stored);
+        result.irradiance[half] = stored;
     }
     return result;
 }

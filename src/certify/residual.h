@@ -45,6 +45,9 @@ rsv_residual_job rsv_residual_job_of(
 rsv_residual rsv_residual_at(
     const rsv_residual_job *job, const rsv_face_point *point, uint32_t stream);
 
+/// The same at a random place in a voxel, of a quarter of the fluence there.
+rsv_residual rsv_residual_in_air(const rsv_residual_job *job, uint32_t voxel, uint32_t stream);
+
 /// Whether the numbers of samples are in their ranges.
 rsv_status rsv_check_certify_desc(const rsv_certify_desc *desc);
 

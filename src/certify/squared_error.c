@@ -36,7 +36,7 @@ static void add_nodes(const rsv_light_view *solution, const rsv_error_field *fie
 {
     const rsv_elements *e = solution->elements;
     double area = 0;
-    for (size_t n = 0; n < e->node_count; n++) {
+    for (size_t n = 0; n < rsv_elements_surface_nodes(e); n++) {
         if (e->node_hanging[n] == RSV_NONE && !solution->valid_points[n]) continue;
         double s[SETS], own = (double)e->node_area[n];
         for (size_t set = 0; set < SETS; set++)

@@ -203,7 +203,8 @@ static rsv_status build_trees(rsv_scatter_sources *s)
 
 uint32_t rsv_scatter_body_of(const rsv_scatter_sources *s, uint32_t node)
 {
-    return s->face_body[s->elements->node_face[node]];
+    uint32_t face = s->elements->node_face[node]; // RSV_NONE in the air
+    return face == RSV_NONE ? RSV_NONE : s->face_body[face];
 }
 
 static rsv_rgb leaf_mean(

@@ -106,7 +106,7 @@ static size_t list_nodes(
 {
     rsv_team_place place = rsv_team_place_of(job->elements->context);
     size_t count = 0;
-    for (size_t node = 0; node < job->elements->node_count; node++) {
+    for (size_t node = 0; node < rsv_elements_surface_nodes(job->elements); node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
         light->irradiance[node] = rgb_gray(0);
         if (light->deviation) light->deviation[node] = 0;

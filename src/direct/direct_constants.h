@@ -45,4 +45,9 @@
 /// Photons of a device between two looks at the clock.
 #define PHOTONS_AT_A_TIME ((uint32_t)1 << 22)
 
+// ---- Voxels (voxel_direct.c) -------------------------------------------------------------------------
+
+/// Rays from a point light that is as near to a voxel as that is large.
+#define NEAR_LIGHT_SAMPLES 256
+
 #endif

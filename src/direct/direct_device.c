@@ -28,8 +28,8 @@ static bool can_do(const rsv_direct_job *job, size_t count)
 {
     rsv_context *context = job->elements->context;
     const rsv_device *device = rsv_context_device(context);
-    return device && device->desc.rows && rsv_team_place_of(context).size == 1 &&
-           is_worthwhile(job, count);
+    return device && device->desc.rows && !job->scene->view->fog &&
+           rsv_team_place_of(context).size == 1 && is_worthwhile(job, count);
 }
 
 // ---- creation -----------------------------------------------------------------------------------

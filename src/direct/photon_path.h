@@ -2,6 +2,9 @@
 #ifndef RSV_PHOTON_PATH_H
 #define RSV_PHOTON_PATH_H
 
+#if !defined(RSV_DEVICE_CODE)
+#include "../specular/fog_flight.h"
+#endif
 #include "../trace/ray.h"
 #include "photon_guide.h"
 #include "photon_map.h"
@@ -42,6 +45,16 @@ RSV_INLINE bool rsv_is_specular(const rsv_bsdf *bsdf)
     return (!bsdf->lambert && !bsdf->unlit) || bsdf->opacity < 1;
 }
 
+/// Takes what fog takes on the way. Devices get no scenes with fog.
+RSV_INLINE void rsv_photon_dim(const rsv_transport_scene *scene, rsv_specular_path *path)
+{
+#if defined(RSV_DEVICE_CODE)
+    (void)scene, (void)path;
+#else
+    rsv_specular_dim(scene, path);
+#endif
+}
+
 /// Follows a photon to its first surface. False if that is not specular, or if there is none.
 RSV_INLINE bool rsv_photon_arrive(
     const rsv_transport_scene *scene, const rsv_photon_emission *e, rsv_specular_path *path)
@@ -50,6 +63,7 @@ RSV_INLINE bool rsv_photon_arrive(
     rsv_hit hit;
     if (!rsv_ray_meets(scene->tracer, &ray, &hit)) return false;
     *path = rsv_specular_begin(scene, e->medium, e->direction, hit);
+    rsv_photon_dim(scene, path);
     return rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)]);
 }
 
@@ -95,6 +109,7 @@ RSV_INLINE bool rsv_photon_step(
     rsv_rgb weight = event.weight;
     if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));
     if (rsv_specular_follow(scene, path, &event, weight) != RSV_SPECULAR_MOVED) return false;
+    rsv_photon_dim(scene, path);
     float left = rgb_max(path->weight);
     if (path->turns == 0) return true;
     if (first) *level = left;

@@ -51,6 +51,7 @@ static uint32_t find_points(
 
 static bool absorbs(const rsv_transport_scene *scene, const rsv_receiver *r)
 {
+    if (scene->view->fog) return true;
     rsv_medium medium = rsv_medium_above(&scene->media, r->origin, r->point.geometric);
     return rsv_medium_absorbs(&medium, scene->bsdf);
 }
@@ -93,7 +94,7 @@ static void measure_scene(builder *w)
 static rsv_status sort_nodes(builder *w, const bool *moves)
 {
     rsv_receiver_blocks *b = w->b;
-    size_t nodes = b->elements->node_count;
+    size_t nodes = rsv_elements_surface_nodes(b->elements);
     w->place = rsv_alloc(b->context, nodes, sizeof *w->place);
     if (!w->place) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
@@ -108,7 +109,7 @@ static rsv_status sort_nodes(builder *w, const bool *moves)
         b->held[node] = !absorbs(b->scene, &receiver[0]);
         if (b->held[node]) w->place[node].key = curve_key(w, first->position, first->geometric);
     }
-    b->holds_all = true;
+    b->holds_all = nodes == b->elements->node_count;
     for (size_t node = 0; node < nodes; node++) {
         b->holds_all = b->holds_all && b->held[node];
         if (w->place[node].key != UINT64_MAX) w->place[w->count++] = w->place[node];

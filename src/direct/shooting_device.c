@@ -8,8 +8,8 @@ static bool can_do(const rsv_device_shooting_desc *deal)
 {
     rsv_context *context = deal->lights->context;
     const rsv_device *device = rsv_context_device(context);
-    return device && device->desc.rows && rsv_team_place_of(context).size == 1 &&
-           deal->map_count <= RSV_DEVICE_MAPS;
+    return device && device->desc.rows && !deal->shooting.scene->view->fog &&
+           rsv_team_place_of(context).size == 1 && deal->map_count <= RSV_DEVICE_MAPS;
 }
 
 static rsv_status shoot(const rsv_device_shooting_table *table, rsv_device_shooting *shooting,

@@ -1,5 +1,6 @@
 #include "../core/references.h"
 #include "elements_internal.h"
+#include "voxels.h"
 
 #include <string.h>
 
@@ -204,7 +205,13 @@ void rsv_elements_destroy(rsv_elements *e)
         e->node_draw };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
+    rsv_voxels_destroy(e->voxels);
     rsv_free(context, e);
+}
+
+size_t rsv_elements_surface_nodes(const rsv_elements *e)
+{
+    return e->node_count - (e->voxels ? e->voxels->count : 0);
 }
 
 size_t rsv_elements_bytes(const rsv_elements *e)
@@ -222,5 +229,11 @@ size_t rsv_elements_bytes(const rsv_elements *e)
            e->hanging_count * sizeof *e->hanging +
            (e->led_begin ? e->node_count * sizeof *e->led_begin +
                                e->led_begin[e->node_count] * sizeof *e->led
-                         : 0);
+                         : 0) +
+           (e->voxels
+                   ? e->voxels->cell_count * sizeof *e->voxels->begin +
+                         e->voxels->count * (sizeof *e->voxels->cell + sizeof *e->voxels->points +
+                                                sizeof *e->voxels->place_begin) +
+                         e->voxels->place_count * sizeof *e->voxels->place
+                   : 0);
 }

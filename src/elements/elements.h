@@ -76,8 +76,8 @@ typedef struct rsv_elements {
     uint32_t (*cell_node)[3]; ///< [cell_count]
     uint8_t *cell_openness;   ///< [cell_count] open_corners.h; NULL = not judged
 
-    size_t node_count;
-    uint32_t *node_face; ///< [node_count] one of the faces around the node
+    size_t node_count;   ///< on surfaces, and behind them those of `voxels`
+    uint32_t *node_face; ///< [node_count] one of the faces around the node; RSV_NONE in the air
     float *node_area;    ///< [node_count] integral of the hat, m2; hanging nodes: 0, their share is
                          ///< in the parents
     uint32_t *support_begin; ///< [node_count + 1]
@@ -93,11 +93,15 @@ typedef struct rsv_elements {
     uint32_t *
         node_draw; ///< [node_count] number that stands for each node's where its points are drawn: what it had
                    ///< in an earlier version of the scene; NULL = its own
+    struct rsv_voxels *voxels; ///< of the fog in the air (voxels.h); NULL = it is clear
 } rsv_elements;
 
 #define RSV_SLOT_SPLIT 0x80000000u
 
 struct rsv_spacing; // spacing.h
+
+/// Nodes on surfaces: the first ones. Those behind them lie in the air and have no support.
+size_t rsv_elements_surface_nodes(const rsv_elements *elements);
 
 /// Cells of about that spacing on every face with a diffuse lobe, larger ones where it lies in the open.
 rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,

@@ -100,4 +100,14 @@
 /// Cells that a thread takes at a time.
 #define CELLS_AT_A_TIME 4096
 
+// ---- Voxels (voxels.c) -------------------------------------------------------------------------------
+
+/// Cells along each axis of the fog's box at least, and at most.
+#define FEWEST_VOXELS 8
+#define MOST_VOXELS 512
+/// Places that a cell which walls cut is sampled at.
+#define CUT_PLACES 64
+/// Flat boxes may have so many times the cells that were asked for.
+#define FLAT_BOX 4
+
 #endif

@@ -175,6 +175,7 @@ rsv_status rsv_frame_renderer_create(
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_frame_desc settings = desc ? *desc : rsv_default_frame_desc();
     rsv_status status = check_desc(&settings);
+    if (status == RSV_OK) status = rsv_light_refuse_fog(solution, "a frame");
     if (status != RSV_OK) return status;
     rsv_frame_renderer *r = rsv_alloc(solution->context, 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;

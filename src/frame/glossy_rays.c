@@ -120,7 +120,7 @@ static rsv_rgb follow(
     const rsv_glossy_rays *r, const rsv_specular_path *path, uint32_t trail, rsv_rgb own)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events + MOST_EVENTS, false };
+        path->events + MOST_EVENTS, false, NULL };
     found f = { r, rgb_gray(0) };
     rsv_rgb sources = rsv_camera_path(&setting, *path, trail, NULL, add_diffuse, &f);
     if (!shows_sources(r)) return f.radiance;

@@ -128,7 +128,7 @@ void rsv_note_gloss(rsv_specular_light *l, const rsv_specular_path *path,
 
 void rsv_add_whole_path(rsv_specular_light *l, const rsv_specular_path *path)
 {
-    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false };
+    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false, NULL };
     rsv_rgb found = rsv_camera_path(&setting, *path, l->trail, NULL, rsv_add_diffuse_end, l);
     if (rsv_shows_emission(l->table)) rsv_add_light(l, found);
 }

@@ -11,6 +11,20 @@ RSV_INLINE float rsv_phase(float g, float cos)
     return (float)((1 - a * a) / (4 * M_PI * spread * sqrt(spread)));
 }
 
+/// The share of the phase function that is even over all directions: its least value. The rest is positive, too.
+RSV_INLINE double rsv_phase_even_share(float g)
+{
+    double a = fabs((double)g);
+    return (1 - a) / ((1 + a) * (1 + a));
+}
+
+/// 1/sr; density of the rest. @param g not 0
+RSV_INLINE float rsv_phase_uneven(float g, float cos)
+{
+    double even = rsv_phase_even_share(g);
+    return (float)(fmax((double)rsv_phase(g, cos) - even / (4 * M_PI), 0.0) / (1 - even));
+}
+
 /// A direction after light that went along `forward` (unit).
 RSV_INLINE rsv_vec3 rsv_phase_sample(float g, rsv_vec3 forward, float u1, float u2)
 {

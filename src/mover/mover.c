@@ -138,6 +138,7 @@ rsv_status rsv_mover_create(
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_mover_desc settings = desc ? *desc : rsv_default_mover_desc();
     rsv_status status = check_desc(&settings);
+    if (status == RSV_OK) status = rsv_light_refuse_fog(solution, "a moving object");
     if (status != RSV_OK) return status;
     rsv_mover *m = rsv_alloc(solution->context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;

@@ -1,6 +1,7 @@
 #include "division.h"
 
 #include "../core/team.h"
+#include "../elements/voxels.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +41,8 @@ static uint64_t hilbert_index(uint32_t x[3])
 
 static rsv_vec3 node_position(const rsv_elements *e, uint32_t node)
 {
+    size_t surface_nodes = rsv_elements_surface_nodes(e);
+    if (node >= surface_nodes) return rsv_voxel_centre(e->voxels, node - (uint32_t)surface_nodes);
     uint32_t face;
     float u, v;
     rsv_elements_place_node(e, node, &face, &u, &v);

@@ -63,7 +63,7 @@ rsv_status rsv_transport_trace_only(const rsv_transport_desc *desc, rsv_ray_cost
     {
         rsv_ray_packet *packets = rsv_alloc(context, rays / LANES, sizeof *packets);
 #pragma omp for schedule(dynamic, 64)
-        for (size_t node = 0; node < elements->node_count; node++) {
+        for (size_t node = 0; node < rsv_elements_surface_nodes(elements); node++) {
             if (!packets || desc->valid_points[node] == 0) continue;
             rsv_receiver_draw draw = { (uint32_t)node,
                 rsv_elements_draw_of(elements, (uint32_t)node), seed, desc->valid_points[node] };

@@ -57,7 +57,7 @@ rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_
 {
     rsv_status status = RSV_OK;
     rsv_context *context = tracer->elements->context;
-    rsv_device *device = rsv_context_device(context);
+    rsv_device *device = tracer->scene->view->fog ? NULL : rsv_context_device(context);
     *made = NULL;
     if (!device || !device->desc.rows) return RSV_OK;
     rsv_row_device *d = rsv_alloc(context, 1, sizeof *d);

@@ -30,6 +30,7 @@ typedef struct rsv_row_receiver {
     rsv_medium medium;
     uint32_t index; ///< of the node, or of the one whose random numbers are used
     uint16_t valid; ///< bit k = point k counts
+    bool in_air;    ///< a voxel, which takes light from all sides as it is; it has no points
     bool tints;     ///< even what comes from plain surfaces: through a coat or a medium
 } rsv_row_receiver;
 

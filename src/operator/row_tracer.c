@@ -30,6 +30,7 @@ void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t in
     rsv_receiver_points_set_up(e, tracer->scene->tracer, draw, sample, p);
     r->index = index;
     r->valid = valid;
+    r->in_air = false;
     r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);
     r->entry_scale = scale_of_entry(tracer, r);
     // one of the points speaks for the medium of all
@@ -53,6 +54,12 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t tu
     return rsv_gathering_counts(user, triangle, turns, true);
 }
 
+/// There are no photons in the air.
+static bool counts_in_air(const void *user, uint32_t triangle, uint32_t turns)
+{
+    return rsv_gathering_counts(user, triangle, turns, false);
+}
+
 static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
 
 static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
@@ -61,16 +68,10 @@ static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
     s->tinted_weight[s->tinted_count++] = weight;
 }
 
-/// @param entered what the light counts for, as it enters the receiver
-static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
-    const rsv_specular_path *path, rsv_rgb entered, float random)
+void rsv_row_record_node(
+    rsv_row_scratch *s, uint32_t ray, uint32_t node, rsv_rgb weight, rsv_rgb entered)
 {
-    uint32_t face = tracer->elements->face_of[path->back][path->triangle];
-    if (face == RSV_NONE) return;
-    float weight[3];
-    uint32_t cell = rsv_elements_locate(tracer->elements, face, path->u, path->v, weight);
-    uint32_t node = rsv_elements_pick_node(tracer->elements, cell, weight, random);
-    rsv_rgb w = path->weight;
+    rsv_rgb w = weight;
     uint32_t copies = s->whole ? s->copies[ray] : 1;
     if (!s->whole) w = rgb_mul(w, entered);
     if (copies == 0) return;
@@ -83,6 +84,18 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
         add_tinted(s, node, rgb_gray(1));
 }
 
+/// @param entered what the light counts for, as it enters the receiver
+static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_specular_path *path, rsv_rgb entered, float random)
+{
+    uint32_t face = tracer->elements->face_of[path->back][path->triangle];
+    if (face == RSV_NONE) return;
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(tracer->elements, face, path->u, path->v, weight);
+    uint32_t node = rsv_elements_pick_node(tracer->elements, cell, weight, random);
+    rsv_row_record_node(s, ray, node, path->weight, entered);
+}
+
 void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t seen)
 {
     uint32_t copies = s->whole ? s->copies[ray] : 1;
@@ -93,15 +106,14 @@ void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t s
         add_tinted(s, node, rgb_gray(1));
 }
 
-/// What light that a receiver gathers at that cosine counts for.
-static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
+rsv_rgb rsv_row_entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
 {
+    if (r->in_air) return rgb_gray(1);
     rsv_rgb entry = rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos);
     return rgb_mul(entry, r->entry_scale);
 }
 
-/// A row's specular path at the surface that its ray has met.
-static rsv_specular_path begin_path(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
+rsv_specular_path rsv_row_begin_path(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     const rsv_ray_packet *packet, uint32_t k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
@@ -114,25 +126,38 @@ static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
     return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
 }
 
-/// The general case: specular surfaces, coats, emission.
-static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+{
+    return (rsv_emission_wanted){ r->in_air ? counts_in_air : counts_by_gathering, tracer->lights };
+}
+
+void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_gather *gather, rsv_rgb entered, float random)
+{
+    const rsv_specular_path *path = &gather->path;
+    s->emission = rgb_add(s->emission, rgb_mul(gather->emission, entered));
+    s->rays += path->rays;
+    if (gather->end == RSV_SPECULAR_DIFFUSE) {
+        record_end(tracer, s, ray, path, entered, random);
+        if (path->rays == 0 && !emits(tracer, path->triangle)) s->kind[ray] = RSV_TARGET_ENTERED;
+    } else if (gather->end == RSV_SPECULAR_SCATTERED) {
+        rsv_row_land(tracer, s, ray, gather, entered);
+    } else if (gather->end == RSV_SPECULAR_ESCAPED) {
+        rsv_escape_row_add(
+            &s->escapes, path->direction, rgb_mul(path->weight, entered), path->turns);
+    }
+}
+
+void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
+    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
     rsv_gather gather =
-        rsv_specular_gather(tracer->scene, path, &random, counts_by_gathering, tracer->lights);
+        rsv_specular_gather(tracer->scene, path, &random, wanted.filter, wanted.user);
     // not ahead of roulette, which could raise the sum of the row
-    rsv_rgb entered = entering(tracer, r, cos_receiver);
-    s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
-    s->rays += gather.path.rays;
-    if (gather.end == RSV_SPECULAR_DIFFUSE) {
-        record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
-        if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
-            s->kind[ray] = RSV_TARGET_ENTERED;
-    } else if (gather.end == RSV_SPECULAR_ESCAPED) {
-        rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
-            gather.path.turns);
-    }
+    rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver);
+    rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
@@ -173,7 +198,7 @@ static void record_sky(const rsv_row_tracer *tracer, rsv_row_scratch *s, const r
     float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, entering(tracer, r, cos_receiver), 0);
+    rsv_escape_row_add(&s->escapes, direction, rsv_row_entering(tracer, r, cos_receiver), 0);
 }
 
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
@@ -182,6 +207,10 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
     const rsv_elements *e = tracer->elements;
     grid_places g;
     rsv_ray_target target[LANES];
+    if (tracer->scene->view->fog) {
+        rsv_row_process_in_fog(tracer, s, first_ray, r, cos_receiver, packet);
+        return;
+    }
     for (int k = 0; k < LANES; k++) {
         target[k] = hit_target(tracer, packet, k);
         g.side[k] = target[k].side;
@@ -201,8 +230,8 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         }
         if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
             s->kind[ray] = RSV_TARGET_SPECULAR;
-            follow_path(
-                tracer, s, ray, r, cos_receiver[k], begin_path(tracer, r, packet, (uint32_t)k));
+            rsv_row_follow_path(tracer, s, ray, r, cos_receiver[k],
+                rsv_row_begin_path(tracer, r, packet, (uint32_t)k));
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
@@ -225,9 +254,9 @@ static void share_out(const rsv_row_tracer *tracer, const rsv_row_receiver *r, r
     const float *cos = d->z + rsv_directions_of(d, tracer->seed, r->index);
     double sum = (double)rsv_unit_float(rsv_hash3(tracer->seed, r->index, 0x6c0au));
     uint32_t left = d->count;
-    s->whole = rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf);
+    s->whole = !r->in_air && rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf);
     for (uint32_t k = 0; k < d->count && s->whole; k++) {
-        rsv_rgb w = entering(tracer, r, cos[k]);
+        rsv_rgb w = rsv_row_entering(tracer, r, cos[k]);
         double before = floor(sum);
         sum += (double)w.g;
         uint32_t copies = (uint32_t)(floor(sum) - before);
@@ -242,7 +271,7 @@ static void clear_scratch(rsv_row_scratch *s)
 {
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
-    s->emission = rgb_gray(0);
+    s->emission = s->flights = rgb_gray(0);
 }
 
 rsv_ray_packet rsv_row_begin(
@@ -270,6 +299,10 @@ const float *rsv_row_aim(
 void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
 {
     rsv_row_receiver r;
+    if (node >= rsv_elements_surface_nodes(tracer->elements)) {
+        rsv_row_trace_voxel(tracer, node, s);
+        return;
+    }
     rsv_row_receive(tracer, node, &r);
     uint32_t rays = tracer->directions.count;
     rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
@@ -278,6 +311,7 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
         rsv_row_process_hits(tracer, s, first, &r, z, &packet);
     }
+    rsv_row_balance_flights(tracer, s);
     s->rays += rays;
 }
 
@@ -299,7 +333,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         if (packet.triangle[k] == RSV_NONE)
             record_sky(tracer, s, r, z[k], &packet, (int)k);
         else
-            follow_path(tracer, s, ray, r, z[k], begin_path(tracer, r, &packet, k));
+            rsv_row_follow_path(tracer, s, ray, r, z[k], rsv_row_begin_path(tracer, r, &packet, k));
     }
     s->rays += tracer->directions.count;
 }

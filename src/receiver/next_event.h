@@ -52,6 +52,9 @@ RSV_INLINE void rsv_next_event_at_place(const rsv_receiver *r, const rsv_entranc
     rsv_next_event *event)
 {
     rsv_rgb arriving = rgb_mul(rsv_entrance_weight(e, sample->distance), sample->radiance);
+    if (!e->medium->depth)
+        arriving = rgb_mul(arriving,
+            rsv_air_transmittance(lights, r->point.position, sample->direction, sample->distance));
     event->light =
         rgb_mul(rgb_scale(arriving, response.factor / sample->pdf_solid_angle), response.share);
     event->ray =
@@ -86,9 +89,13 @@ RSV_INLINE void rsv_next_event_draw(const rsv_receiver *r, const rsv_entrance *e
 
 /// The event of a punctual light above the receiver's horizon.
 RSV_INLINE void rsv_next_event_at_light(const rsv_receiver *r, const rsv_entrance *e,
-    const rsv_punctual_sample *light, rsv_response response, rsv_next_event *event)
+    const rsv_lights *lights, const rsv_punctual_sample *light, rsv_response response,
+    rsv_next_event *event)
 {
     rsv_rgb arriving = rgb_mul(rsv_entrance_weight(e, light->distance), light->irradiance);
+    if (!e->medium->depth)
+        arriving = rgb_mul(arriving,
+            rsv_air_transmittance(lights, r->point.position, light->direction, light->distance));
     event->light = rgb_mul(rgb_scale(arriving, response.factor), response.share);
     event->ray = rsv_punctual_ray(light, rsv_receiver_start(r, light->direction));
 }
@@ -104,7 +111,7 @@ RSV_INLINE void rsv_next_event_punctual(const rsv_receiver *r, const rsv_entranc
         !rsv_surface_faces(point, light.direction))
         return;
     float cos = v3_dot(point->normal, light.direction);
-    rsv_next_event_at_light(r, e, &light, rsv_response_diffuse(e, cos), event);
+    rsv_next_event_at_light(r, e, lights, &light, rsv_response_diffuse(e, cos), event);
 }
 
 RSV_INLINE bool rsv_next_event_asks(const rsv_next_event *event) { return event->ray.t_max > 0; }

@@ -8,6 +8,8 @@
 #ifndef RSV_RECEIVER_H
 #define RSV_RECEIVER_H
 
+#include "../media/fog_run.h"
+#include "../sources/lights.h"
 #include "../surface/entry.h"
 #include "../surface/lift.h"
 #include "../surface/medium.h"
@@ -94,6 +96,19 @@ RSV_INLINE rsv_rgb rsv_entrance_share(const rsv_entrance *e, float cos)
 {
     if (e->cover == RSV_COVER_COAT) return rsv_bsdf_entry(e->coat, cos);
     if (e->cover == RSV_COVER_PATCH) return rsv_surface_entry_at(e->patch, e->bsdf, cos);
+    return rgb_gray(1);
+}
+
+/// What fog lets through on the way from a point to a source. Devices get no scenes with fog.
+RSV_INLINE rsv_rgb rsv_air_transmittance(
+    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 towards, float distance)
+{
+#if !defined(RSV_DEVICE_CODE)
+    const rsv_fog *fog = lights->scene->fog;
+    if (fog)
+        return rsv_fog_transmittance(fog, rsv_fog_run_of(fog, point, towards, distance).column);
+#endif
+    (void)lights, (void)point, (void)towards, (void)distance;
     return rgb_gray(1);
 }
 

@@ -15,7 +15,7 @@
 #define RSV_PATH_FOG_H
 
 #include "../media/fog_run.h"
-#include "fog_lights.h"
+#include "../sources/fog_lights.h"
 
 struct rsv_light_path;
 

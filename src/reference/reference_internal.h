@@ -2,10 +2,10 @@
 #ifndef RSV_REFERENCE_INTERNAL_H
 #define RSV_REFERENCE_INTERNAL_H
 
+#include "../sources/fog_lights.h"
 #include "../sources/lights.h"
 #include "../surface/medium.h"
 #include "../surface/surface.h"
-#include "fog_lights.h"
 #include "resolvent/trace.h"
 #include "subsurface.h"
 

@@ -1,5 +1,6 @@
 #include "camera_path.h"
 
+#include "../specular/fog_flight.h"
 #include "rough_aim.h"
 
 #define STACK 64
@@ -19,6 +20,7 @@ typedef struct tree {
     const rsv_camera_setting *setting;
     const rsv_pixel_sample *sample;
     rsv_vec3 start; ///< direction that the camera's ray had
+    void *user; ///< of the setting's and the caller's functions
     link stack[STACK];
     int depth;
     rsv_rgb radiance;
@@ -46,6 +48,17 @@ static void add_emission(tree *t, const link *at)
     t->radiance = rgb_add(t->radiance, rgb_mul(throughput, emission));
 }
 
+/// Takes from a path what fog on its last segment takes. Bodies displace fog.
+static void cross_fog(tree *t, rsv_specular_path *path, bool leaves, uint32_t trail)
+{
+    if (!t->setting->cross_fog || path->medium.depth || !(leaves || path->length > 0)) return;
+    rsv_ray segment = rsv_specular_segment(t->scene, path, leaves);
+    rsv_rgb throughput = rsv_specular_throughput(t->scene, path, &path->medium);
+    rsv_rgb passed = t->setting->cross_fog(t->user, &segment, throughput, trail);
+    path->weight = rgb_mul(path->weight, passed);
+    path->length = 0;
+}
+
 /// Moves one branch on: to the next link or to the sky.
 static void leave(tree *t, link next, const rsv_camera_branch *b)
 {
@@ -53,6 +66,8 @@ static void leave(tree *t, link next, const rsv_camera_branch *b)
     next.trail = b->trail;
     rsv_specular_move move =
         rsv_specular_step(t->scene, &next.path, b->transmit, b->direction, b->weight);
+    if (move == RSV_SPECULAR_LOST) return;
+    cross_fog(t, &next.path, move == RSV_SPECULAR_LEFT_SCENE, next.trail);
     if (move == RSV_SPECULAR_MOVED) t->stack[t->depth++] = next;
     if (move != RSV_SPECULAR_LEFT_SCENE) return;
     rsv_rgb beyond = rsv_rough_sky(t->lights, b->direction, &next.departure);
@@ -132,6 +147,7 @@ rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path pat
     t.setting = setting;
     t.sample = sample;
     t.start = path.direction;
+    t.user = user;
     t.radiance = rgb_gray(0);
     t.depth = 1;
     t.stack[0] = (link){ .path = path, .trail = trail };

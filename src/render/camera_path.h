@@ -18,6 +18,10 @@ typedef struct rsv_camera_setting {
     const rsv_sky_visibility *visibility; ///< of rough surfaces; NULL = not known
     uint32_t max_events;                  ///< specular ones along a branch at most
     bool shot;                            ///< leave out what rsv_shot_light_add adds
+    /// Called for each segment through fog that leads on to a surface or out of the scene, from the second one on; adds what
+    /// it scatters. NULL = the air is clear. @param throughput of the path up to it @param trail names it
+    /// @return what the segment lets pass
+    rsv_rgb (*cross_fog)(void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail);
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

@@ -2,6 +2,7 @@
 
 #include "../trace/packet.h"
 #include "camera_path.h"
+#include "fog_light.h"
 #include "picture_shade.h"
 
 #include <string.h>
@@ -52,6 +53,59 @@ static float spread_of(const rsv_picture_row *r)
     return r->job->spread / sqrtf((float)samples);
 }
 
+static void add_fog_light(void *user, uint32_t order, rsv_rgb radiance)
+{
+    rsv_picture_row *r = user;
+    uint32_t last = RSV_PICTURE_LAYERS - 1;
+    rsv_picture_add_light(r, r->column, order < last ? order : last, radiance);
+}
+
+/// Numbers of a segment: stratified over the pixel's samples for the first one.
+static void draw_for_fog(const rsv_picture_row *r, bool first, uint32_t trail, float u[8])
+{
+    rsv_random random = rsv_random_from(trail, r->sample.index, 0xf09u);
+    bool stratified = first && !r->job->desc->shared_pattern;
+    for (uint32_t k = 0; k < 8; k += 2) {
+        u[k] = rsv_random_float(&random);
+        u[k + 1] = rsv_random_float(&random);
+        if (stratified) rsv_pixel_sample_2d(r->sample, 30 + k, &u[k], &u[k + 1]);
+    }
+}
+
+/// @param trail names the segment
+static rsv_rgb march(
+    rsv_picture_row *r, const rsv_ray *ray, rsv_rgb throughput, uint32_t trail, bool first)
+{
+    const rsv_picture_job *job = r->job;
+    rsv_fog_segment segment = { .ray = *ray,
+        .throughput = throughput,
+        .seed = rsv_hash2(trail, r->sample.index),
+        .final = job->desc->mode == RSV_RENDER_FINAL,
+        .by_order = job->layer_count > 1 };
+    draw_for_fog(r, first, trail, segment.u);
+    return rsv_fog_march(job->solution, &segment, add_fog_light, r);
+}
+
+rsv_rgb rsv_picture_cross_fog(
+    void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail)
+{
+    return march(user, segment, throughput, trail, false);
+}
+
+/// The fog before what a camera ray sees. @param ray up to that @return what it lets pass
+static rsv_rgb see_fog(rsv_picture_row *r, const rsv_ray *ray)
+{
+    if (!r->job->setting.cross_fog || r->job->medium.depth) return rgb_gray(1);
+    return march(r, ray, rgb_gray(1), r->sample.seed, true);
+}
+
+static rsv_ray ray_of_lane(const rsv_ray_packet *p, uint32_t k)
+{
+    return (rsv_ray){ v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
+        v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
+        p->triangle[k] == RSV_NONE ? INFINITY : p->t_max[k] };
+}
+
 /// What the ray in lane k of the batch sees.
 static void shade_ray(rsv_picture_row *r, uint32_t k)
 {
@@ -59,13 +113,17 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
     const rsv_ray_packet *packet = &r->batch.packet;
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     if (packet->t_max[k] < 0) return; // the film sees nothing there
+    rsv_ray ray = ray_of_lane(packet, k);
+    rsv_rgb passed = see_fog(r, &ray);
     if (packet->triangle[k] == RSV_NONE) {
-        rsv_picture_add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
+        rsv_picture_add_light(
+            r, r->column, 0, rgb_mul(passed, rsv_sky_radiance(&job->sky, direction)));
         return;
     }
     rsv_specular_path path = rsv_specular_begin(
         &job->solution->scene, &job->medium, direction, rsv_packet_hit(packet, k));
     rsv_specular_set_spread(&path, spread_of(r), packet->t_max[k]);
+    path.weight = rgb_mul(path.weight, passed);
     rsv_rgb emission =
         rsv_camera_path(&job->setting, path, rsv_hash2(r->sample.seed, r->sample.index),
             job->desc->shared_pattern ? NULL : &r->sample, rsv_picture_shade, r);

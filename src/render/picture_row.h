@@ -52,6 +52,10 @@ typedef struct rsv_picture_row {
 rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *row);
 void rsv_picture_row_destroy(rsv_picture_row *row);
 
+/// rsv_camera_setting.cross_fog of a row.
+rsv_rgb rsv_picture_cross_fog(
+    void *row, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail);
+
 /// Renders a row of pixels into the job's image.
 rsv_status rsv_picture_row_render(rsv_picture_row *row, uint32_t index);
 

@@ -1,6 +1,9 @@
 #include "picture_shade.h"
 
+#include "../elements/voxels.h"
 #include "../receiver/receiver.h"
+#include "../specular/fog_flight.h"
+#include "fog_light.h"
 
 void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
 {
@@ -88,6 +91,37 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t turns)
     return false;
 }
 
+/// The same where a ray ends in the fog.
+static void add_gathered_in_fog(
+    rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
+{
+    const rsv_light_view *s = r->job->solution;
+    uint32_t node = rsv_elements_find_voxel(s->elements, s->tracer, gather->place);
+    if (node == RSV_NONE) return;
+    weight = rgb_mul(weight, gather->path.weight);
+    rsv_rgb direct = rgb_add(rsv_light_view_scattered(s, node, 0, true),
+        rsv_fog_scattered_sample(s, gather->place, random));
+    weight = rgb_scale(weight, RSV_PI); // of radiance, not of irradiance
+    rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
+    rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
+    for (uint32_t order = 1; order < s->order_count; order++) {
+        uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
+        rsv_picture_add_light(
+            r, r->column, shown, rgb_mul(weight, rsv_light_view_scattered(s, node, order, true)));
+    }
+}
+
+static rsv_gather follow_gather_ray(
+    const rsv_light_view *s, const rsv_ray *ray, const rsv_medium *medium, rsv_random *random)
+{
+    const rsv_emission_wanted wanted = { no_emission, NULL };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(s->tracer, ray, &hit))
+        return rsv_specular_gather_beyond(&s->scene, medium, ray, random, &wanted);
+    rsv_specular_path first = rsv_specular_begin(&s->scene, medium, ray->direction, hit);
+    return rsv_specular_gather(&s->scene, first, random, no_emission, NULL);
+}
+
 static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, rsv_rgb weight)
 {
     const rsv_light_view *s = r->job->solution;
@@ -107,15 +141,15 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point->normal);
         rsv_ray ray = { rsv_receiver_start(&receiver, direction), direction, INFINITY };
-        rsv_hit hit;
-        if (v3_dot(direction, point->horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
-            continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
-        rsv_specular_path first = rsv_specular_begin(&s->scene, &path->medium, ray.direction, hit);
-        rsv_gather gather = rsv_specular_gather(&s->scene, first, &random, no_emission, NULL);
-        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
-        if (gather.end == RSV_SPECULAR_DIFFUSE)
-            add_gathered(r, &gather, rgb_scale(entered, 1 / (float)rays), &random);
+        if (v3_dot(direction, point->horizon) <= 0) continue;
+        rsv_gather gather = follow_gather_ray(s, &ray, &path->medium, &random);
+        rsv_rgb entered = rgb_scale(rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z)), 1 / (float)rays);
+        if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, entered, &random);
+        if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, entered, &random);
+        // of sources that fog has turned into the ray: nothing else was asked for
+        rsv_picture_add_light(
+            r, r->column, 2, rgb_scale(rgb_mul(entered, gather.emission), RSV_PI));
     }
 }
 

@@ -4,6 +4,7 @@
 #include "../solve/goal.h"
 #include "../solve/light.h"
 #include "../sources/partition.h"
+#include "fog_light.h"
 #include "lit_gather.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
@@ -167,13 +168,13 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->at.origin, direction, INFINITY };
-    rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, &ray, &hit))
-        return rsv_gathering_sky(s->lights, direction, 0, r->has_caustic);
-    rsv_specular_path first = rsv_specular_begin(&s->scene, &r->medium, direction, hit);
     // the stored caustic holds what photons bring
-    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
+    const rsv_lit_setting setting = { &s->scene, s->lights, r->has_caustic };
+    rsv_gather gather = rsv_gather_lit_ray(&setting, &r->medium, &ray, random);
     rsv_rgb radiance = gather.emission;
+    if (gather.end == RSV_SPECULAR_SCATTERED)
+        return rgb_add(
+            radiance, rgb_mul(gather.path.weight, rsv_fog_radiance_at(s, gather.place, random)));
     if (gather.end != RSV_SPECULAR_DIFFUSE) return radiance;
     const rsv_specular_path *end = &gather.path;
     uint32_t face = s->elements->face_of[end->back][end->triangle];

@@ -73,8 +73,8 @@ RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv
     return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
-RSV_INLINE rsv_rgb rsv_rough_punctual_light(
-    const rsv_rough_surface *s, const rsv_rough_side *side, const rsv_punctual_sample *light)
+RSV_INLINE rsv_rgb rsv_rough_punctual_light(const rsv_rough_surface *s, const rsv_rough_side *side,
+    const rsv_lights *lights, const rsv_punctual_sample *light)
 {
     rsv_next_event event;
     rsv_response response;
@@ -83,7 +83,7 @@ RSV_INLINE rsv_rgb rsv_rough_punctual_light(
     response.share = value.response;
     response.factor = 1;
     rsv_next_event_clear(&event);
-    rsv_next_event_at_light(&side->receiver, &side->entrance, light, response, &event);
+    rsv_next_event_at_light(&side->receiver, &side->entrance, lights, light, response, &event);
     return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
@@ -101,7 +101,8 @@ RSV_SHARED rsv_rgb rsv_rough_light(
         rsv_punctual_sample light;
         if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
         bool below = v3_dot(s->normal, light.direction) < 0;
-        if (below < sides) sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], &light));
+        if (below < sides)
+            sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], lights, &light));
     }
     return sum;
 }

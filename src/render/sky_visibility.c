@@ -98,6 +98,7 @@ static rsv_status find_places(const rsv_light_view *s, rsv_sky_visibility *o)
     const rsv_elements *e = s->elements;
     for (uint32_t node = 0; node < e->node_count; node++) {
         o->place_of[node] = RSV_NONE;
+        if (node >= rsv_elements_surface_nodes(e)) continue;
         if (s->transport->scale[node] > 0 && !add_place(s, o, node, &o->place_of[node]))
             return RSV_ERROR_MEMORY;
     }

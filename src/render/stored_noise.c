@@ -56,7 +56,7 @@ static rsv_status find_stored(const rsv_light_view *s, rsv_stored_noise *noise)
         field[n] = rgb_add(s->indirect[n], s->gathered[n]);
     RSV_TRY(add_variance(e, field, square, noise->stored));
     RSV_TRY(add_variance(e, s->irradiance, square, coarse));
-    for (size_t n = 0; n < nodes; n++) {
+    for (size_t n = 0; n < rsv_elements_surface_nodes(e); n++) {
         noise->coarse += e->node_area[n] * coarse[n].r;
         area += e->node_area[n];
         noise->nodes += e->node_area[n] > 0;

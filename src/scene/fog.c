@@ -123,11 +123,33 @@ rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog)
     return RSV_OK;
 }
 
+static bool is_endless(const rsv_fog *fog)
+{
+    rsv_vec3 extent = v3_sub(fog->bounds_max, fog->bounds_min);
+    return !(extent.x < INFINITY && extent.y < INFINITY && extent.z < INFINITY);
+}
+
+bool rsv_fog_has_volume(const rsv_fog *fog)
+{
+    if (!fog || is_endless(fog)) return false;
+    rsv_vec3 extent = v3_sub(fog->bounds_max, fog->bounds_min);
+    return extent.x > 0 && extent.y > 0 && extent.z > 0;
+}
+
+rsv_status rsv_scene_refuse_endless_fog(const rsv_scene *scene, const char *what)
+{
+    if (!scene->view.fog || !is_endless(scene->view.fog)) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "fog: %s has elements of fog in a finite box alone; mode reference follows light through "
+        "fog without end, such as that of --fog-height, or leave out the height",
+        what);
+}
+
 rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what)
 {
     if (!scene->view.fog) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "fog: %s leaves media out of account so far; mode reference follows light through them "
-        "(render and probe --mode reference), or leave out the fog",
+        "fog: %s so far leaves media out of account, unlike render, probe and certify; leave out "
+        "the fog",
         what);
 }

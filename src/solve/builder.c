@@ -1,7 +1,7 @@
 #include "builder.h"
 
 #include "../core/team.h"
-#include "../elements/elements.h"
+#include "../elements/voxels.h"
 #include "../scene/scene.h"
 #include "budget.h"
 #include "budget_fill.h"
@@ -275,6 +275,40 @@ static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
     report->time_bvh = before->time_bvh;
 }
 
+/// Photons land on surfaces alone, and gather rays do not find what has no area.
+static void warn_of_unlit_fog(const rsv_builder *b)
+{
+    const rsv_lights *lights = b->sources->lights;
+    bool suns = lights->environment && lights->environment->sun_count > 0;
+    if ((lights->punctual_count > 0 || suns) && rsv_photons_wanted(&b->scene, lights))
+        rsv_log(b->context, RSV_LOG_WARNING,
+            "fog: light of point lights, spot lights and suns that mirrors or glass send into the "
+            "air is left out; mode reference has it");
+}
+
+/// Elements of the air, where there is fog. All of their points count.
+static rsv_status add_voxels(rsv_builder *b)
+{
+    rsv_voxels *voxels = NULL;
+    if (!rsv_fog_has_volume(b->scene.view->fog)) return RSV_OK;
+    warn_of_unlit_fog(b);
+    rsv_status status =
+        rsv_voxels_create(&b->scene, b->desc.element_target, &b->report.rays, &voxels);
+    if (status != RSV_OK) return status;
+    size_t before = b->elements->node_count, after = before + voxels->count;
+    status = rsv_elements_add_voxels(b->elements, voxels);
+    uint16_t *valid_points = rsv_alloc(b->context, after, sizeof *valid_points);
+    if (!valid_points || status != RSV_OK) {
+        rsv_free(b->context, valid_points);
+        return RSV_ERROR_MEMORY;
+    }
+    if (before) memcpy(valid_points, b->valid_points, before * sizeof *valid_points);
+    memset(valid_points + before, 0xff, voxels->count * sizeof *valid_points);
+    rsv_free(b->context, b->valid_points);
+    b->valid_points = valid_points;
+    return RSV_OK;
+}
+
 // ---- all of it ------------------------------------------------------------------------------------
 
 static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
@@ -282,7 +316,9 @@ static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
     rsv_status status;
     double start = rsv_seconds(), path = rsv_team_path(b->context);
     RSV_TRY(create_elements(b));
-    uint32_t rays = rsv_reflects_diffusely(&b->scene) ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
+    RSV_TRY(add_voxels(b));
+    bool matters = rsv_reflects_diffusely(&b->scene) || b->elements->voxels;
+    uint32_t rays = matters ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
     RSV_TRY(rsv_builder_trace(b, NULL, rays, op));
     RSV_TRY(rsv_operator_scatter(*op));
     RSV_TRY(find_sources(b, *op, light));
@@ -342,6 +378,7 @@ static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_
     b->scene = b->world->scene;
     b->scene.update = &b->update;
     RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
+    if (b->scene.view->fog) b->scene.fog_lights = &b->sources->fog_lights;
 cleanup:
     return status;
 }
@@ -372,7 +409,9 @@ rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, r
 {
     rsv_builder b;
     rsv_light *light = NULL;
-    rsv_status status = begin(scene, desc, &b);
+    rsv_status status = store ? rsv_scene_refuse_fog(scene, "an update") : RSV_OK;
+    if (status != RSV_OK) return status;
+    status = begin(scene, desc, &b);
     b.update.store = store;
     b.update.earlier = earlier;
     if (status == RSV_OK) status = build(&b, &light);
@@ -388,6 +427,8 @@ rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc
 {
     rsv_status status = rsv_scene_require_committed(scene);
     if (status == RSV_OK) status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
+    if (status == RSV_OK && (desc->checkpoint || desc->earlier))
+        status = rsv_scene_refuse_fog(scene, "a checkpoint");
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 

@@ -15,7 +15,7 @@ rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transpo
     const rsv_subsurface *subsurface, const rsv_rgb *albedo, rsv_device_map **map)
 {
     rsv_context *context = elements->context;
-    rsv_device *device = rsv_context_device(context);
+    rsv_device *device = elements->voxels ? NULL : rsv_context_device(context);
     char message[RSV_DEVICE_MESSAGE_BYTES];
     rsv_status status;
     *map = NULL;

@@ -1,5 +1,6 @@
 #include "light_internal.h"
 
+#include "../scene/scene.h"
 #include "source.h"
 
 #include <string.h>
@@ -241,6 +242,7 @@ void rsv_light_publish(rsv_light *s)
 {
     const rsv_operator_view *op = rsv_operator_get_view(s->op);
     const rsv_light_fields *f = &s->field;
+    s->scene.fog_lights = s->scene.view->fog ? &s->sources->fog_lights : NULL;
     s->view = (rsv_light_view){ .light = s,
         .context = s->context,
         .op = s->op,
@@ -248,6 +250,7 @@ void rsv_light_publish(rsv_light *s)
         .tracer = s->scene.tracer,
         .bsdf = s->scene.bsdf,
         .lights = s->sources->lights,
+        .fog_lights = s->scene.fog_lights,
         .desc = s->desc,
         .elements = op->elements,
         .valid_points = op->valid_points,
@@ -287,6 +290,11 @@ const rsv_scene *rsv_light_scene(const rsv_light *s) { return s->scene.scene; }
 
 uint32_t rsv_light_order_count(const rsv_light *s) { return s->field.order_count; }
 
+rsv_status rsv_light_refuse_fog(const rsv_light_view *s, const char *what)
+{
+    return rsv_scene_refuse_fog(s->scene.scene, what);
+}
+
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *s, uint32_t face, float u, float v, bool skip_sampled)
 {
@@ -298,6 +306,19 @@ rsv_rgb rsv_light_view_direct(
     if (s->fine.direct)
         return rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));
     return rsv_elements_interpolate(s->elements, s->source, face, u, v);
+}
+
+rsv_rgb rsv_light_view_scattered(
+    const rsv_light_view *s, uint32_t node, uint32_t order, bool skip_sampled)
+{
+    rsv_rgb e = rgb_gray(0);
+    if (order == 0)
+        e = skip_sampled ? s->gathered[node] : s->source[node];
+    else if (order == RSV_NONE)
+        e = s->indirect[node];
+    else if (order < s->order_count)
+        e = s->order[order][node];
+    return rgb_scale(rgb_mul(e, s->exitance_albedo[node]), 1 / RSV_PI);
 }
 
 rsv_rgb rsv_light_view_irradiance(

@@ -34,6 +34,7 @@ typedef struct rsv_light_view {
     const rsv_tracer *tracer;  ///< of that
     const rsv_bsdf *bsdf;      ///< likewise
     const rsv_lights *lights;
+    const rsv_fog_lights *fog_lights; ///< the same as fog is lit by them; NULL = the air is clear
     rsv_solve_desc desc;
 
     const rsv_elements *elements; ///< coarse: unknowns
@@ -71,10 +72,19 @@ rsv_status rsv_light_restore(rsv_operator *op, rsv_light_sources *sources,
     const rsv_solve_desc *desc, const rsv_light_fields *fields, const rsv_solve_report *report,
     rsv_light **light);
 
+/// RSV_ERROR_UNSUPPORTED where the light's scene has fog. @param what will not go on: "a frame"
+rsv_status rsv_light_refuse_fog(const rsv_light_view *light, const char *what);
+
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *light, uint32_t face, float u, float v, bool skip_sampled);
+
+/// What is stored at a voxel (elements/voxels.h), as of order 0 (all of E0, or what was gathered of it), of one further order,
+/// or of all from 1 on (RSV_NONE); times the fog's albedo, over pi: radiance that is scattered there to all sides alike.
+/// @param skip_sampled leave out of order 0 what next-event estimation finds: the caller does that itself
+rsv_rgb rsv_light_view_scattered(
+    const rsv_light_view *light, uint32_t node, uint32_t order, bool skip_sampled);
 
 /// Solved irradiance at a point of a triangle, as rsv_light_irradiance.
 rsv_rgb rsv_light_view_irradiance(const rsv_light_view *light, uint32_t triangle, float u, float v,

@@ -78,6 +78,10 @@ static rsv_status paint(const rsv_light *s, const bool *changed, rsv_rgb **albed
     if (!a) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < e->node_count; n++) {
+        if (e->node_face[n] == RSV_NONE) {
+            a[n] = s->view.exitance_albedo[n];
+            continue;
+        }
         uint32_t triangle = e->face_triangle[e->node_face[n]];
         bool repaint = changed[s->scene.view->triangle_material[triangle]];
         a[n] = repaint ? rsv_element_albedo(&s->world->scene, e, s->desc.seed, (uint32_t)n)

@@ -25,6 +25,12 @@ static rsv_status divide_environment(rsv_light_sources *s)
                             : status;
 }
 
+static rsv_status find_fog_lights(rsv_light_sources *s)
+{
+    if (!s->lights->scene->fog) return RSV_OK;
+    return rsv_fog_lights_create(s->context, s->lights, &s->fog_lights);
+}
+
 rsv_status rsv_light_sources_create(
     const rsv_world *world, const rsv_lights *like, rsv_light_sources **sources)
 {
@@ -34,6 +40,7 @@ rsv_status rsv_light_sources_create(
     RSV_TRY(rsv_lights_create(world->scene.scene, world->bsdf, &s->lights));
     if (like) RSV_TRY(rsv_lights_gather_like(s->lights, like));
     RSV_TRY(divide_environment(s));
+    RSV_TRY(find_fog_lights(s));
     *sources = s;
     s = NULL;
 cleanup:
@@ -50,6 +57,7 @@ rsv_status rsv_light_sources_select(
     s->whole = rsv_light_sources_retain(whole);
     RSV_TRY(rsv_light_subset_create(whole->lights, source, count, &s->lights));
     memcpy(s->bin_radiance, whole->bin_radiance, RSV_ESCAPE_BINS * sizeof *s->bin_radiance);
+    RSV_TRY(find_fog_lights(s));
     *sources = s;
     s = NULL;
 cleanup:
@@ -84,6 +92,7 @@ void rsv_light_sources_release(rsv_light_sources *s)
 {
     if (!s || !rsv_references_drop(&s->references)) return;
     rsv_environment_light_destroy(s->environment);
+    rsv_fog_lights_destroy(&s->fog_lights);
     if (s->whole)
         rsv_light_subset_destroy(s->lights);
     else

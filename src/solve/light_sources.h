@@ -2,6 +2,7 @@
 #ifndef RSV_LIGHT_SOURCES_H
 #define RSV_LIGHT_SOURCES_H
 
+#include "../sources/fog_lights.h"
 #include "../sources/light_subset.h"
 #include "world.h"
 
@@ -9,6 +10,7 @@ typedef struct rsv_light_sources {
     rsv_context *context;
     uint32_t references; ///< holders
     rsv_lights *lights;
+    rsv_fog_lights fog_lights;       ///< of those, where the scene has fog
     rsv_rgb *bin_radiance;           ///< [RSV_ESCAPE_BINS] of the surroundings
     struct rsv_light_sources *whole; ///< that these are some of; NULL = these are all
     rsv_environment_light

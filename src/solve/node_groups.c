@@ -1,5 +1,6 @@
 #include "node_groups.h"
 
+#include "../elements/voxels.h"
 #include "solve_constants.h"
 
 #include <math.h>
@@ -15,6 +16,12 @@ typedef struct placed_node {
 
 static void place(const rsv_elements *e, uint32_t node, placed_node *p)
 {
+    size_t surface_nodes = rsv_elements_surface_nodes(e);
+    if (node >= surface_nodes) {
+        rsv_vec3 centre = rsv_voxel_centre(e->voxels, node - (uint32_t)surface_nodes);
+        *p = (placed_node){ { centre.x, centre.y, centre.z }, node };
+        return;
+    }
     uint32_t face;
     float u, v;
     rsv_elements_place_node(e, node, &face, &u, &v);

@@ -53,6 +53,7 @@ static rsv_rgb mean_albedo(
 rsv_rgb rsv_element_albedo(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, uint32_t node)
 {
+    if (node >= rsv_elements_surface_nodes(e)) return scene->view->fog->albedo;
     uint32_t material = scene->view->triangle_material[e->face_triangle[e->node_face[node]]];
     return scene->view->material_varies[material] ? mean_albedo(scene, e, seed, node)
                                                   : scene->bsdf[material].base_color;

@@ -1,4 +1,5 @@
 /// The elements of an operator: where they are, and which of them surround a point.
+#include "../elements/voxels.h"
 #include "goal.h"
 #include "operator.h"
 
@@ -42,6 +43,16 @@ rsv_status rsv_operator_locate_probes(
     return rsv_progress(context, "probe", 1);
 }
 
+static rsv_element in_air(const rsv_operator_view *view, size_t node)
+{
+    const rsv_elements *e = view->elements;
+    size_t voxel = node - rsv_elements_surface_nodes(e);
+    return (rsv_element){ .position = rsv_voxel_centre(e->voxels, (uint32_t)voxel),
+        .albedo = view->albedo[node],
+        .area = e->node_area[node],
+        .triangle = RSV_NONE };
+}
+
 rsv_status rsv_operator_elements(const rsv_operator *op, rsv_element *element)
 {
     const rsv_operator_view *view = rsv_operator_get_view(op);
@@ -49,6 +60,10 @@ rsv_status rsv_operator_elements(const rsv_operator *op, rsv_element *element)
     const rsv_scene_view *scene = view->world->scene.view;
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(view->context))
     for (size_t n = 0; n < e->node_count; n++) {
+        if (e->node_face[n] == RSV_NONE) {
+            element[n] = in_air(view, n);
+            continue;
+        }
         rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
         uint32_t face = e->node_face[n];
         element[n] = (rsv_element){ .position = point.position,

@@ -1,5 +1,6 @@
 #include "source.h"
 
+#include "../direct/voxel_direct.h"
 #include "../update/kept_light.h"
 #include "../update/update.h"
 #include "goal.h"
@@ -89,7 +90,8 @@ static rsv_status find_direct(
     rsv_direct_light light = { .irradiance = irradiance };
     rsv_status status = rsv_direct_irradiance(&job, known, &light);
     *rays += light.rays;
-    return status;
+    if (status != RSV_OK || !s->elements->voxels) return status;
+    return rsv_voxel_direct(&job, irradiance, rays);
 }
 
 rsv_status rsv_measure_direct(const rsv_light *s, double *seconds, uint64_t *rays)

@@ -37,7 +37,7 @@ rsv_status rsv_world_create(const rsv_scene *scene, rsv_world **world)
     rsv_world *w = NULL;
     rsv_status status;
     double start = rsv_seconds();
-    RSV_TRY(rsv_scene_refuse_fog(scene, "a solution"));
+    RSV_TRY(rsv_scene_refuse_endless_fog(scene, "a solution"));
     RSV_TRY(begin(rsv_scene_get_context(scene), scene, &w));
     RSV_TRY(rsv_tracer_create(scene, &w->tracer));
     use_tracer(w, w->tracer);

@@ -1,3 +1,4 @@
+#include "fog_flight.h"
 #include "specular_path_body.h"
 
 /// Radiance emitted along the specular path by its surface, as far as that covers.
@@ -18,12 +19,37 @@ bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random)
     return true;
 }
 
-rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
-    rsv_random *random, rsv_emission_filter filter, const void *user)
+/// Where no surface ends it.
+static rsv_gather end_in_air(const rsv_transport_scene *scene, rsv_gather *gather,
+    const rsv_specular_path *path, rsv_fog_fate fate)
 {
-    rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
+    gather->path = *path;
+    gather->path.weight = rsv_specular_throughput(scene, path, &path->medium);
+    gather->end = fate == RSV_FOG_LANDS     ? RSV_SPECULAR_SCATTERED
+                  : fate == RSV_FOG_ESCAPES ? RSV_SPECULAR_ESCAPED
+                                            : RSV_SPECULAR_ABSORBED;
+    return *gather;
+}
+
+/// Takes the path through fog; adds what it finds there.
+static rsv_fog_fate cross_fog(const rsv_transport_scene *scene, rsv_specular_path *path,
+    bool leaves, rsv_random *random, rsv_gather *gather)
+{
+    rsv_fog_crossing crossing = { .emission = gather->emission };
+    rsv_fog_fate fate = rsv_specular_cross_fog(scene, path, leaves, random, &crossing);
+    gather->emission = crossing.emission;
+    gather->place = crossing.place;
+    return fate;
+}
+
+/// @param gather what was found so far
+static rsv_gather follow(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, const rsv_emission_wanted *wanted, rsv_gather gather)
+{
     for (;;) {
-        if (filter(user, path.triangle, path.turns))
+        rsv_fog_fate fate = cross_fog(scene, &path, false, random, &gather);
+        if (fate != RSV_FOG_MEETS) return end_in_air(scene, &gather, &path, fate);
+        if (wanted->filter(wanted->user, path.triangle, path.turns))
             gather.emission = rgb_add(
                 gather.emission, rgb_mul(rsv_specular_throughput(scene, &path, &path.medium),
                                      emission_towards(scene, &path)));
@@ -41,10 +67,47 @@ rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_pa
         if (move == RSV_SPECULAR_LOST) return gather;
         gather.path = path;
         if (move == RSV_SPECULAR_LEFT_SCENE) {
-            gather.path.weight = rsv_specular_throughput(scene, &path, &path.medium);
-            gather.end = RSV_SPECULAR_ESCAPED;
-            return gather;
+            fate = cross_fog(scene, &path, true, random, &gather);
+            if (fate != RSV_FOG_MEETS) return end_in_air(scene, &gather, &path, fate);
         }
         if (!rsv_specular_survives(&path.weight, random)) return gather;
     }
+}
+
+rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, rsv_emission_filter filter, const void *user)
+{
+    const rsv_emission_wanted wanted = { filter, user };
+    return follow(scene, path, random, &wanted, (rsv_gather){ .end = RSV_SPECULAR_ABSORBED });
+}
+
+/// After the fog on the first segment. @return false if that ends the path
+static bool goes_on(const rsv_transport_scene *scene, const rsv_specular_path *path,
+    const rsv_fog_crossing *crossing, rsv_fog_fate fate, rsv_gather *gather)
+{
+    gather->emission = crossing->emission;
+    gather->place = crossing->place;
+    if (fate != RSV_FOG_MEETS) end_in_air(scene, gather, path, fate);
+    return fate == RSV_FOG_MEETS;
+}
+
+rsv_gather rsv_specular_gather_from_fog(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_vec3 place, rsv_random *random, const rsv_emission_wanted *wanted)
+{
+    rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
+    rsv_fog_crossing crossing = { .emission = rgb_gray(0) };
+    rsv_fog_fate fate = rsv_specular_meet_fog(scene, &path, place, random, &crossing);
+    if (!goes_on(scene, &path, &crossing, fate, &gather)) return gather;
+    return follow(scene, path, random, wanted, gather);
+}
+
+rsv_gather rsv_specular_gather_beyond(const rsv_transport_scene *scene, const rsv_medium *medium,
+    const rsv_ray *ray, rsv_random *random, const rsv_emission_wanted *wanted)
+{
+    rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
+    rsv_fog_crossing crossing = { .emission = rgb_gray(0) };
+    rsv_specular_path path = rsv_specular_in_air(scene, medium, ray->direction);
+    rsv_fog_fate fate = rsv_specular_cross_beyond(scene, &path, ray, random, &crossing);
+    if (!goes_on(scene, &path, &crossing, fate, &gather)) return gather;
+    return follow(scene, path, random, wanted, gather);
 }

@@ -8,7 +8,8 @@
 typedef enum rsv_specular_end {
     RSV_SPECULAR_ESCAPED,
     RSV_SPECULAR_ABSORBED,
-    RSV_SPECULAR_DIFFUSE
+    RSV_SPECULAR_DIFFUSE,
+    RSV_SPECULAR_SCATTERED ///< in fog
 } rsv_specular_end;
 
 #define RSV_SPECULAR_MAX_EVENTS 256
@@ -64,6 +65,8 @@ typedef struct rsv_gather {
     rsv_specular_path
         path; ///< at the diffuse interface, if end is RSV_SPECULAR_DIFFUSE; its weight is then the
               ///< throughput of radiance, the coat of that interface included
+    rsv_vec3
+        place; ///< in the fog, if end is RSV_SPECULAR_SCATTERED; the path's weight is then its throughput
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 
@@ -77,6 +80,25 @@ typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_
 /// leaves is colour only: a colourless specular path keeps weight 1.
 rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, rsv_emission_filter filter, const void *user);
+
+/// A path that is at no surface yet. @param medium that it runs through; NULL = the air @param direction unit, that it came along
+rsv_specular_path rsv_specular_in_air(
+    const rsv_transport_scene *scene, const rsv_medium *medium, rsv_vec3 direction);
+
+/// Which emission is wanted.
+typedef struct rsv_emission_wanted {
+    rsv_emission_filter filter;
+    const void *user;
+} rsv_emission_wanted;
+
+/// The same for a path that fog has met at a place before it came to any surface (rsv_specular_in_air): it ends there, or is
+/// turned and goes on.
+rsv_gather rsv_specular_gather_from_fog(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_vec3 place, rsv_random *random, const rsv_emission_wanted *wanted);
+
+/// The same along a ray that meets nothing, unless there is fog. @param medium that it runs through
+rsv_gather rsv_specular_gather_beyond(const rsv_transport_scene *scene, const rsv_medium *medium,
+    const rsv_ray *ray, rsv_random *random, const rsv_emission_wanted *wanted);
 
 #if defined(RSV_DEVICE_CODE)
 #include "specular_path_body.h"

@@ -14,6 +14,8 @@ typedef struct rsv_transport_scene {
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
+    const struct rsv_fog_lights
+        *fog_lights; ///< what fog that scatters unevenly is lit by; NULL = nothing
     const struct rsv_known_cells *known_cells; ///< of an earlier version; NULL = none
     const struct rsv_update *update;           ///< what is taken over from it; NULL = nothing
 } rsv_transport_scene;
@@ -23,6 +25,7 @@ typedef struct rsv_specular_path {
     rsv_vec3 direction; ///< unit, of the segment that arrived here
     rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
     rsv_medium medium;  ///< that the segment ran through
+    float length;       ///< of that segment, metres; 0 = fog on it has been asked for
     float start_ior;    ///< of the medium that the specular path started in
     bool settled;       ///< has met the surface of a body, and so knows where it started
     uint32_t triangle;
@@ -66,6 +69,7 @@ RSV_INLINE void rsv_specular_end_segment(
     path->triangle = hit->triangle;
     path->u = hit->u;
     path->v = hit->v;
+    path->length = hit->t;
     path->width += path->spread * hit->t;
     path->back = back;
     uint32_t material = rsv_specular_material(scene, path);

@@ -19,6 +19,7 @@ typedef struct rsv_row_scratch {
     rsv_rgb *tinted_weight;
     rsv_escape_row escapes;
     rsv_rgb emission;
+    rsv_rgb flights;  ///< sum of the weights of flights through fog
     uint64_t rays;    ///< of all rows so far
     uint64_t kept;    ///< rays of all rows so far that rsv_row_retrace did not trace again
     size_t kept_rows; ///< rows so far of which it traced none

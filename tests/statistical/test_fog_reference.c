@@ -2,65 +2,8 @@
 ///
 /// Numbers for slabs come from doubling and adding with 24 Gauss points a hemisphere (an error of 1e-7; the slab of optical
 /// thickness 10: 1e-4), those of half spaces from Chandrasekhar's equation for H, iterated over 64 Gauss points.
-#include "resolvent/render.h"
-#include "unit/light_fixture.h"
+#include "unit/fog_fixture.h"
 #include "unit/slow_tests.h"
-
-/// What the path tracer may be off, relative, or in standard errors.
-#define TOLERANCE 5e-3
-#define STANDARD_ERRORS 4
-/// Relative: a larger one would let much pass.
-#define LARGEST_STANDARD_ERROR 1e-2
-
-/// What a picture or a probe shows of one channel.
-typedef struct estimate {
-    double mean, error;
-} estimate;
-
-static void check(const char *what, estimate found, double expected)
-{
-    print_message("%-28s %.6g +- %.2g, expected %.6g\n", what, found.mean, found.error, expected);
-    assert_true(found.error <= LARGEST_STANDARD_ERROR * fabs(expected));
-    assert_close(
-        found.mean, expected, fmax(TOLERANCE * fabs(expected), STANDARD_ERRORS * found.error));
-}
-
-static float channel(rsv_rgb c, int k) { return k == 0 ? c.r : k == 1 ? c.g : c.b; }
-
-/// A scene needs a surface: one far from everything.
-static void add_speck(world *w)
-{
-    const rsv_vec3 corner[3] = { v3(4e3f, 4e3f, 4e3f), v3(4e3f, 4e3f, 4001), v3(4001, 4e3f, 4e3f) };
-    static const uint32_t index[3] = { 0, 1, 2 };
-    world_triangles(w, world_lambert(w, 0, 0), corner, 3, index, 1);
-}
-
-static void add_lamp(world *w, rsv_punctual_light lamp)
-{
-    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
-}
-
-static void fill(world *w, rsv_fog fog)
-{
-    world_commit(w);
-    assert_int_equal(rsv_scene_set_fog(w->scene, &fog), RSV_OK);
-}
-
-/// Between two heights, without end to the sides.
-static rsv_fog slab(rsv_rgb extinction, rsv_rgb albedo, float low, float high)
-{
-    rsv_fog fog = rsv_default_fog();
-    fog.extinction = extinction;
-    fog.albedo = albedo;
-    fog.bounds_min = v3(-INFINITY, low, -INFINITY);
-    fog.bounds_max = v3(INFINITY, high, INFINITY);
-    return fog;
-}
-
-static rsv_fog everywhere(rsv_rgb extinction, rsv_rgb albedo)
-{
-    return slab(extinction, albedo, -INFINITY, INFINITY);
-}
 
 static void read_probe(
     const world *w, rsv_vec3 at, rsv_vec3 normal, uint32_t samples, estimate out[3])
@@ -96,15 +39,6 @@ static void see(const world *w, rsv_camera camera, uint32_t side, uint32_t sampl
         out[k] = (estimate){ sum / n, sqrt(fmax(squares / n - sum / n * (sum / n), 0) / (n - 1)) };
     }
     rsv_image_destroy(image);
-}
-
-/// Looks along one ray, so to speak: a millimetre wide.
-static rsv_camera needle(rsv_vec3 from, rsv_vec3 towards)
-{
-    rsv_camera camera = rsv_camera_look_at("needle", from, towards, 0, 1);
-    camera.vertical_fov = 0;
-    camera.vertical_extent = 5e-4f;
-    return camera;
 }
 
 // ---- absorption ---------------------------------------------------------------------------------
@@ -171,29 +105,6 @@ static void absorbing_spheres_follow_beer(void **state)
 }
 
 // ---- scattering once ----------------------------------------------------------------------------
-
-static double henyey_greenstein(double g, double cos)
-{
-    return (1 - g * g) / (4 * M_PI * pow(1 + g * g - 2 * g * cos, 1.5));
-}
-
-/// int exp(-sigma s) sigma_s p I(s) exp(-sigma r) / r^2 ds along a line that passes a light at distance h, from s = 0 to `length`,
-/// the light's foot being at `foot`: over the angle at the light, where it is smooth.
-static double once_along_line(
-    double sigma, double g, double h, double foot, double length, double cos_cone)
-{
-    enum { STEPS = 20000 };
-    double low = atan2(-foot, h), high = atan2(length - foot, h), sum = 0;
-    for (int i = 0; i < STEPS; i++) {
-        double angle = low + (high - low) * (i + 0.5) / STEPS;
-        double s = foot + h * tan(angle), r = h / cos(angle);
-        // light turns from (foot - s, h) reversed into the direction towards the eye
-        double cos_turn = (foot - s) / r; // forward along the view ray, from it to the light
-        double lit = cos(angle) >= cos_cone ? 1 : 0;
-        sum += lit * exp(-sigma * (s + r)) * henyey_greenstein(g, cos_turn) * (high - low) / STEPS;
-    }
-    return sigma * sum / h;
-}
 
 /// A lamp beside the line of sight: a point, a spot that shines straight onto it, and a small panel.
 static void lamps_beside_a_line_light_it_once(void **state)
@@ -392,18 +303,6 @@ static void lossless_fog_is_invisible_under_an_even_sky(void **state)
     for (int k = 0; k < 3; k++)
         check("under an even sky", seen[k], 1);
     world_end(w);
-}
-
-/// A point on the walls of the room from -1 to 1, anywhere in cell k.
-static rsv_probe wall_place(int k, int side, rsv_random *random)
-{
-    float x = 2 * ((float)(k % side) + rsv_random_float(random)) / (float)side - 1;
-    float y = 2 * ((float)(k / side % side) + rsv_random_float(random)) / (float)side - 1;
-    float wall = k / (side * side) % 2 ? 1.0f : -1.0f;
-    rsv_vec3 place[3] = { v3(wall, x, y), v3(x, wall, y), v3(x, y, wall) };
-    rsv_vec3 normal[3] = { v3(-wall, 0, 0), v3(0, -wall, 0), v3(0, 0, -wall) };
-    int axis = k / (2 * side * side);
-    return (rsv_probe){ place[axis], normal[axis] };
 }
 
 /// The mean irradiance of a room's walls, by independent rounds over stratified places.

@@ -10,6 +10,7 @@ rsv_add_test(image unit/test_image.c)
 target_link_libraries(test_image PRIVATE PkgConfig::OPENEXR)
 rsv_add_test(reference statistical/test_reference.c)
 rsv_add_test(fog_reference statistical/test_fog_reference.c)
+rsv_add_test(fog_solution statistical/test_fog_solution.c)
 rsv_add_test(scene unit/test_scene.c)
 rsv_add_test(embedding unit/test_embedding.c)
 rsv_add_test(file_source unit/test_file_source.c)
@@ -100,13 +101,13 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
+set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side bake_light scene frame texture render bodies
         plan random_scenes shadows update)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS brute_force certify doubled fog_reference probe_errors random_certificates random_scenes rough_box solve)
+foreach(name IN ITEMS brute_force certify doubled fog_reference fog_solution probe_errors random_certificates random_scenes rough_box solve)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)

@@ -1,7 +1,7 @@
 #include "fog_lights.h"
 
 #include "../core/core.h"
-#include "../sources/local_lights.h"
+#include "local_lights.h"
 
 /// Of choices made evenly: the strongest light may be hidden.
 #define EVEN_SHARE 0.1f
@@ -56,6 +56,7 @@ rsv_status rsv_fog_lights_create(rsv_context *context, const rsv_lights *lights,
 
 void rsv_fog_lights_destroy(rsv_fog_lights *l)
 {
+    if (!l->context) return;
     rsv_free(l->context, l->table);
     rsv_free(l->context, l->probability);
     rsv_free(l->context, l->entry);
@@ -112,7 +113,7 @@ static void normalize(rsv_fog_choice *choice)
     }
 }
 
-void rsv_fog_lights_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *choice)
+static void guess_emitters(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *choice)
 {
     const rsv_lights *lights = l->lights;
     uint32_t weighed = (uint32_t)lights->weighed_count;
@@ -122,6 +123,18 @@ void rsv_fog_lights_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *
         choice->probability[k] = guess_emitter(&lights->emitter[lights->sampled[k]], point);
     choice->probability[weighed] = guess_tree(lights->emitter_tree, point);
     choice->count = weighed + 1;
+}
+
+void rsv_fog_emitters_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *choice)
+{
+    guess_emitters(l, point, choice);
+    normalize(choice);
+}
+
+void rsv_fog_lights_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *choice)
+{
+    const rsv_lights *lights = l->lights;
+    guess_emitters(l, point, choice);
     if (lights->punctual_tree)
         choice->probability[choice->count++] = guess_tree(lights->punctual_tree, point);
     for (uint32_t k = l->emitters; !lights->punctual_tree && k < l->count; k++)

@@ -4,7 +4,7 @@
 #define RSV_FOG_LIGHTS_H
 
 #include "../core/alias_table.h"
-#include "../sources/punctual_light.h"
+#include "punctual_light.h"
 
 /// The first entries are those of rsv_lights.sampled, the others punctual lights behind the distant ones.
 typedef struct rsv_fog_lights {
@@ -33,6 +33,8 @@ typedef struct rsv_fog_choice {
 } rsv_fog_choice;
 
 void rsv_fog_lights_at(const rsv_fog_lights *lights, rsv_vec3 point, rsv_fog_choice *choice);
+/// The same of emitters alone.
+void rsv_fog_emitters_at(const rsv_fog_lights *lights, rsv_vec3 point, rsv_fog_choice *choice);
 
 /// One of them. @return its entry; RSV_NONE if none contributes @param probability out
 uint32_t rsv_fog_choice_draw(const rsv_fog_choice *choice, float u, float *probability);
