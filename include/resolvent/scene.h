@@ -51,6 +51,8 @@ typedef enum rsv_texture_role {
     RSV_TEXTURE_SHEEN_ROUGHNESS,            ///< a
     RSV_TEXTURE_DIFFUSE_TRANSMISSION,       ///< a
     RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, ///< rgb
+    RSV_TEXTURE_IRIDESCENCE,                ///< r
+    RSV_TEXTURE_IRIDESCENCE_THICKNESS,      ///< g: from iridescence_thickness_min to _max
     RSV_TEXTURE_ROLE_COUNT
 } rsv_texture_role;
 
@@ -93,6 +95,10 @@ typedef struct rsv_material {
     /// Mean free path of light that enters and scatters below the surface, metres per channel, after
     /// which it leaves with `base_color` as its total reflectance; black = leaves where it entered.
     rsv_rgb scatter_distance;
+    /// Share of the surface under a thin film, directly on the interface; its index, >= 1, and its thickness in nanometres:
+    /// iridescence_thickness_max, or between the two where a texture tells.
+    float iridescence, iridescence_ior;
+    float iridescence_thickness_min, iridescence_thickness_max;
     float opacity; ///< coverage: light passes unchanged through the rest
     /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
     float alpha_cutoff;

@@ -10,6 +10,9 @@
 ///     glass    reflects s F, transmits (1 - s F) base_color (refracted into a body if thickness > 0)
 ///     coated   reflects s F and diffuses D T(wo) under it, D = (1 - m)(1 - t), T(w) = 1 - s R(w)
 ///
+/// Under a thin film F is that of the film, per channel (thin_film.h); of rough surfaces it is linear between
+/// RSV_FACET_COS cosines with the facets, so that its directional albedo is a sum of tabulated ones.
+///
 /// F is the Fresnel reflectance, R(w) the directional albedo of the (rough) interface, s its tint.
 /// Rough interfaces are GGX microsurfaces of width alpha = roughness^2; what they lose because one
 /// event per microsurface is not all, a lobe of Kulla and Conty's form gives back (2017; here for
@@ -46,6 +49,7 @@
 #include "ggx.h"
 #include "resolvent/scene.h"
 #include "tables.h"
+#include "thin_film.h"
 
 /// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
 #define RSV_SMOOTH_ALPHA 1e-3f
@@ -55,6 +59,9 @@
 
 /// Of the layer of KHR_materials_clearcoat.
 #define RSV_CLEARCOAT_IOR 1.5f
+
+/// Interfaces that may lie under a thin film.
+enum { RSV_FILMED_METAL, RSV_FILMED_COAT, RSV_FILMED };
 
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
@@ -75,6 +82,8 @@ typedef struct rsv_bsdf {
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
+    rsv_thin_film film;                           ///< directly on the interface
+    rsv_rgb filmed[RSV_FILMED][RSV_FACET_COS];    ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body

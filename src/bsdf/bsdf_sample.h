@@ -88,7 +88,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_metal(rsv_bsdf_draw *draw)
     rsv_vec3 wi = rsv_mirrored(draw->wo, draw->h);
     if (rsv_leaves(draw, wi, true)) {
         float cos_h = f_min(v3_dot(draw->wo, draw->h), 1);
-        return rsv_event(RSV_LOBE_REFLECT, wi, rsv_fresnel_schlick(bsdf->base_color, cos_h));
+        return rsv_event(RSV_LOBE_REFLECT, wi, rsv_bsdf_metal(bsdf, cos_h));
     }
     if (bsdf->alpha == 0) return rsv_event(RSV_LOBE_NONE, wi, rgb_gray(0));
     return rsv_event(
@@ -153,7 +153,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
                    ? event
                    : rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
     float cos_o = v3_dot(draw->n, draw->wo);
-    float reflected = rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o);
+    float reflected = rsv_bsdf_coat_chance(bsdf, cos_o);
     if (rsv_split_number(&u, reflected)) {
         // the chance is the mean over facets, so a facet is wanted that does reflect
         for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
@@ -273,7 +273,7 @@ typedef struct rsv_glass_shares {
 RSV_INLINE rsv_glass_shares rsv_black_glass_shares(const rsv_bsdf *bsdf, float cos_o)
 {
     rsv_glass_shares shares = {
-        rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o),
+        rsv_bsdf_coat_chance(bsdf, cos_o),
         rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) * (1 - rsv_bsdf_missing_transmitted(bsdf, 0))
     };
     return shares;
@@ -289,7 +289,7 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
     if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
     // in the order in which draws split u[0]: the diffuse lobe has its last part
     float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
-                    (1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o));
+                    (1 - rsv_bsdf_coat_chance(bsdf, cos_o));
     if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
     return 1 - diffuse;
 }

@@ -13,6 +13,11 @@
 #define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))
 #define RSV_LOW_BENDS 13 ///< entries up to eta = 3, those that occur
 
+#define RSV_FILM_STEPS 2048         ///< of a path through a thin film
+#define RSV_FILM_STEPS_PER_UM 200.0f ///< beyond the last one, 10 um, fringes have no colour left
+#define RSV_FILM_MOST_PATH ((RSV_FILM_STEPS - 1) / RSV_FILM_STEPS_PER_UM)
+#define RSV_FACET_COS 32 ///< cos = k / 31, with a facet
+
 #define RSV_LOW_IOR 1.5f
 #define RSV_HIGH_IOR 3.0f
 #define RSV_SPREAD_COS 24 ///< cos = (k / 23)^2
@@ -39,6 +44,10 @@ typedef struct rsv_bsdf_tables {
     float missing_mean[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
     rsv_spread metal_spread[RSV_TABLE_ALPHA];        ///< lossless
     rsv_spread interface_spread[2][RSV_TABLE_ALPHA]; ///< of ior RSV_LOW_IOR, RSV_HIGH_IOR
+    /// Reflected once by facets whose reflectance is 1 at cosine k, 0 at k - 1 and k + 1, and linear in between.
+    rsv_albedo_row facet[RSV_FACET_COS][RSV_TABLE_ALPHA];
+    float facet_mean[RSV_FACET_COS][RSV_TABLE_ALPHA];
+    float film_cosine[RSV_FILM_STEPS][3]; ///< thin_film.h
 } rsv_bsdf_tables;
 
 extern const rsv_bsdf_tables rsv_bsdf_tables_data;
@@ -79,6 +88,12 @@ RSV_INLINE rsv_table_place rsv_table_eta(float eta)
     float at = bend <= 0.5f ? RSV_LOW_BENDS * sqrtf(2 * bend)
                             : RSV_LOW_BENDS + high * (bend - 0.5f) / (RSV_MOST_BEND - 0.5f);
     return rsv_table_place_at(at / (RSV_TABLE_ETA - 1), RSV_TABLE_ETA);
+}
+
+/// Of facets.
+RSV_INLINE rsv_table_place rsv_facet_cos(float cos)
+{
+    return rsv_table_place_at(cos, RSV_FACET_COS);
 }
 
 RSV_INLINE float rsv_table_line(const float *entry, rsv_table_place at)

@@ -80,6 +80,12 @@ constexpr property strength_members[] = { { "emissiveStrength", 'n' } };
 constexpr schema strength = { "emissive strength", "emissive strengths", false, strength_members,
     {} };
 
+constexpr property iridescence_members[] = { { "iridescenceFactor", 'n' },
+    { "iridescenceTexture", 'o', &texture_use }, { "iridescenceIor", 'n' },
+    { "iridescenceThicknessMinimum", 'n' }, { "iridescenceThicknessMaximum", 'n' },
+    { "iridescenceThicknessTexture", 'o', &texture_use } };
+constexpr schema iridescence = { "iridescence", "iridescences", false, iridescence_members, {} };
+
 constexpr property ior_members[] = { { "ior", 'n' } };
 constexpr schema ior = { "index of refraction", "indices of refraction", false, ior_members, {} };
 
@@ -124,6 +130,7 @@ constexpr property material_members[] = { { "name", 's' }, { "pbrMetallicRoughne
 constexpr property material_extensions[] = { { "KHR_materials_clearcoat", 'o', &clearcoat },
     { "KHR_materials_diffuse_transmission", 'o', &diffuse },
     { "KHR_materials_emissive_strength", 'o', &strength }, { "KHR_materials_ior", 'o', &ior },
+    { "KHR_materials_iridescence", 'o', &iridescence },
     { "KHR_materials_pbrSpecularGlossiness", 'o', &glossiness },
     { "KHR_materials_scatter", 'o', &scatter },
     { "KHR_materials_volume_scatter", 'o', &former_scatter },

@@ -52,6 +52,11 @@ RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rs
         m->metallic *= texel.b;
         m->roughness *= texel.g;
         break;
+    case RSV_TEXTURE_IRIDESCENCE_THICKNESS:
+        m->iridescence_thickness_max =
+            m->iridescence_thickness_min +
+            texel.g * (m->iridescence_thickness_max - m->iridescence_thickness_min);
+        break;
     case RSV_TEXTURE_EMISSION:
         m->emission = rgb_mul(m->emission, color);
         break;

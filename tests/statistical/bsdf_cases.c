@@ -9,6 +9,7 @@ static rsv_material white(void)
         .attenuation_color = { 1, 1, 1 },
         .attenuation_distance = INFINITY,
         .diffuse_transmission_color = { 1, 1, 1 },
+        .iridescence_ior = 1.3f,
         .opacity = 1 };
     return material;
 }
@@ -23,9 +24,17 @@ static rsv_material blend(float metallic, float transmission, float thickness, f
     return material;
 }
 
+static rsv_material filmed(rsv_material material, float ior, float nanometres)
+{
+    material.iridescence = 1;
+    material.iridescence_ior = ior;
+    material.iridescence_thickness_max = nanometres;
+    return material;
+}
+
 const bsdf_case *bsdf_cases(void)
 {
-    static bsdf_case cases[16];
+    static bsdf_case cases[24];
     size_t count = 0;
     cases[count++] = (bsdf_case){ "metal", blend(1, 0, 0, 1.5f), false };
     cases[count++] = (bsdf_case){ "coat", blend(0, 0, 0, 1.5f), false };
@@ -57,6 +66,11 @@ const bsdf_case *bsdf_cases(void)
     layered.metallic = 0.5f;
     layered.double_sided = true;
     cases[count++] = (bsdf_case){ "blend under both layers", layered, true };
+    cases[count++] = (bsdf_case){ "coat under film", filmed(blend(0, 0, 0, 1.5f), 2, 350), false };
+    cases[count++] = (bsdf_case){ "glass under film", filmed(blend(0, 1, 1, 1.5f), 1.8f, 300), true };
+    cases[count++] = (bsdf_case){ "soap", filmed(blend(0, 1, 0, 1), 1.33f, 500), true };
+    cases[count++] =
+        (bsdf_case){ "blend under film", filmed(blend(0.3f, 0.5f, 0, 1.5f), 1.3f, 400), false };
     cases[count] = (bsdf_case){ .name = NULL };
     return cases;
 }

@@ -51,6 +51,7 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
     bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
     report(energy > 0.995 && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    if (bsdf->film.share > 0 && bsdf->alpha == 0) return; // chances are of the channel that is reflected most
     double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);
     report(fabs(whole - 1) < 0.005, "density", c, bsdf, cos_o, front, whole);
 }
@@ -200,7 +201,7 @@ static void scattering_is_symmetric(void **state)
 /// T(wi) / T_mean, and rough lobes under layers keep a(wi) / s(wo): these are 1 in the mean only.
 static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
-    if (bsdf->passed > 0) return;
+    if (bsdf->passed > 0 || bsdf->film.share > 0) return; // a film has colours
     rsv_random random = rsv_random_from(1, 2, 3);
     for (int k = 0; k < 200; k++) {
         float u = rsv_random_float(&random), x = rsv_random_float(&random);

@@ -1,3 +1,4 @@
+rsv_add_test(thin_film unit/test_thin_film.c)
 rsv_add_test(bsdf unit/test_bsdf.c)
 rsv_add_test(bsdf_lobes statistical/test_bsdf_lobes.c statistical/bsdf_cases.c)
 rsv_add_test(light unit/test_light.c)
