@@ -53,6 +53,7 @@ typedef enum rsv_texture_role {
     RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, ///< rgb
     RSV_TEXTURE_IRIDESCENCE,                ///< r
     RSV_TEXTURE_IRIDESCENCE_THICKNESS,      ///< g: from iridescence_thickness_min to _max
+    RSV_TEXTURE_ANISOTROPY, ///< rg: direction in tangent space, 0..1 for -1..1, turned by anisotropy_rotation; b: strength
     RSV_TEXTURE_ROLE_COUNT
 } rsv_texture_role;
 
@@ -99,6 +100,10 @@ typedef struct rsv_material {
     /// iridescence_thickness_max, or between the two where a texture tells.
     float iridescence, iridescence_ior;
     float iridescence_thickness_min, iridescence_thickness_max;
+    /// 0..1: stretches the highlights of metal along the tangent (of texture coordinates, or the mesh's own), turned by
+    /// `anisotropy_rotation` radians towards the bitangent: alpha is roughness^2 across, and along it
+    /// roughness^2 + (1 - roughness^2) anisotropy^2. Of dielectrics it widens the highlight alike in all directions.
+    float anisotropy, anisotropy_rotation;
     float opacity; ///< coverage: light passes unchanged through the rest
     /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
     float alpha_cutoff;

@@ -229,13 +229,91 @@ RSV_INLINE float rsv_bsdf_missing_transmitted(const rsv_bsdf *bsdf, int side)
     return side == 0 ? share : share * outside / (bsdf->ior * bsdf->ior * inside);
 }
 
+// ---- brushed metal ------------------------------------------------------------------------------
+
+/// Axes of the surface: along the brush, and across.
+RSV_INLINE void rsv_brush_frame(const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 *x, rsv_vec3 *y)
+{
+    rsv_vec3 along = v3_mad(bsdf->brush, -v3_dot(bsdf->brush, n), n);
+    if (v3_dot(along, along) < 1e-8f) {
+        v3_frame(n, x, y);
+        return;
+    }
+    *x = v3_normalize(along);
+    *y = v3_cross(n, *x);
+}
+
+RSV_INLINE rsv_vec3 rsv_to_brush(const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 w)
+{
+    rsv_vec3 x, y;
+    rsv_brush_frame(bsdf, n, &x, &y);
+    return v3(v3_dot(w, x), v3_dot(w, y), v3_dot(w, n));
+}
+
+RSV_INLINE float rsv_brushed_entry(
+    const rsv_brushed_rows rows, rsv_table_place turn, rsv_table_place cos)
+{
+    float low = rsv_table_line(rows[turn.index], cos);
+    return low + turn.weight * (rsv_table_line(rows[turn.index + 1], cos) - low);
+}
+
+/// rsv_bsdf_missing of brushed metal. @param w in the frame of the brush
+RSV_LARGE float rsv_brushed_missing(const rsv_bsdf *bsdf, rsv_vec3 w)
+{
+    float across = sqrtf(f_max(w.x * w.x + w.y * w.y, 1e-12f)), missing = 0;
+    rsv_table_place turn =
+        rsv_brushed_turn(bsdf->brush_along, bsdf->brush_across, w.x / across, w.y / across);
+    rsv_table_place cos = rsv_table_place_at(sqrtf(f_min(fabsf(w.z), 1)), RSV_BRUSHED_COS);
+    RSV_ROLLED
+    for (int k = 0; k < 4; k++) {
+        rsv_table_place a = bsdf->brush_alpha, s = bsdf->brush_strength;
+        float weight = (k & 1 ? a.weight : 1 - a.weight) * (k & 2 ? s.weight : 1 - s.weight);
+        const rsv_brushed_rows *rows =
+            &bsdf->tables->brushed_missing[a.index + (k & 1)][s.index + (k >> 1)];
+        missing += weight * rsv_brushed_entry(*rows, turn, cos);
+    }
+    return f_max(missing, 0);
+}
+
+RSV_INLINE float rsv_brushed_missing_mean(const rsv_bsdf *bsdf)
+{
+    rsv_table_place a = bsdf->brush_alpha;
+    float low = rsv_table_line(bsdf->tables->brushed_missing_mean[a.index], bsdf->brush_strength);
+    float high =
+        rsv_table_line(bsdf->tables->brushed_missing_mean[a.index + 1], bsdf->brush_strength);
+    return f_max(low + a.weight * (high - low), RSV_LEAST_MISSING);
+}
+
+/// Of metal, brushed or not.
+RSV_INLINE float rsv_bsdf_metal_missing(const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 w)
+{
+    if (bsdf->brushed) return rsv_brushed_missing(bsdf, rsv_to_brush(bsdf, n, w));
+    return rsv_bsdf_missing(bsdf, false, 0, v3_dot(n, w));
+}
+
+RSV_INLINE float rsv_bsdf_metal_missing_mean(const rsv_bsdf *bsdf)
+{
+    return bsdf->brushed ? rsv_brushed_missing_mean(bsdf) : rsv_bsdf_missing_mean(bsdf, false, 0);
+}
+
+/// rsv_reflection_density of metal.
+RSV_INLINE float rsv_metal_density(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, rsv_vec3 h)
+{
+    if (!bsdf->brushed) return rsv_reflection_density(bsdf->alpha, wi, wo, n, h);
+    float x = bsdf->brush_along, y = bsdf->brush_across;
+    rsv_vec3 o = rsv_to_brush(bsdf, n, wo), i = rsv_to_brush(bsdf, n, wi);
+    return rsv_ggx_visible_pdf_xy(rsv_to_brush(bsdf, n, h), o, x, y) *
+           rsv_ggx_visibility_xy(o, i, x, y) / (4 * f_max(v3_dot(wo, h), 1e-6f));
+}
+
 /// Reflectance of metal for light that meets it more than once (Kulla and Conty).
 RSV_INLINE rsv_rgb rsv_bsdf_metal_again(const rsv_bsdf *bsdf)
 {
     rsv_rgb f = bsdf->film.share > 0
                     ? rsv_filmed_mean(bsdf, RSV_FILMED_METAL, rsv_table_alpha(0))
                     : rsv_fresnel_schlick_mean(bsdf->base_color);
-    float missing = rsv_bsdf_missing_mean(bsdf, false, 0), once = 1 - missing;
+    float missing = rsv_bsdf_metal_missing_mean(bsdf), once = 1 - missing;
     return rgb(f.r * f.r * once / (1 - f.r * missing), f.g * f.g * once / (1 - f.g * missing),
         f.b * f.b * once / (1 - f.b * missing));
 }

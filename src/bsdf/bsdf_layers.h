@@ -96,6 +96,14 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
+/// What layers leave of light off brushed metal: how that spreads is not tabulated, so that a little is lost where the less
+/// of both ways is taken, and nothing gained.
+RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    rsv_rgb i = rsv_bsdf_passage(bsdf, cos_i).light, o = rsv_bsdf_passage(bsdf, cos_o).light;
+    return rgb(f_min(i.r, o.r), f_min(i.g, o.g), f_min(i.b, o.b));
+}
+
 RSV_LARGE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return rgb_gray(1);

@@ -199,6 +199,55 @@ static void fill_means(rsv_bsdf_tables *t, int a)
         t->facet_mean[k][a] = mean(t->facet[k][a]);
 }
 
+/// Single scattering by white metal with two widths. @param phi azimuth of the direction seen, from the longer
+static double brushed_albedo(float x, float y, float cos_o, float phi)
+{
+    enum { AROUND = 64, AWAY = 64 };
+    float sin_o = sqrtf(1 - cos_o * cos_o);
+    rsv_vec3 wo = v3(sin_o * cosf(phi), sin_o * sinf(phi), cos_o);
+    double sum = 0;
+    for (int i = 0; i < AROUND * AWAY; i++) {
+        float u = ((float)(i % AROUND) + 0.5f) / AROUND, v = ((float)(i / AROUND) + 0.5f) / AWAY;
+        rsv_vec3 h = rsv_ggx_sample_visible_xy(wo, x, y, u, 1 - v * v * v);
+        rsv_vec3 wi = v3_sub(v3_scale(h, 2 * v3_dot(wo, h)), wo);
+        if (wi.z > 0) sum += 3 * (double)(v * v * rsv_ggx_visibility_xy(wo, wi, x, y));
+    }
+    return sum / (AROUND * AWAY);
+}
+
+/// 2 int f cos dcos over a quarter of all azimuths, of what is interpolated.
+static float brushed_mean(const rsv_brushed_rows rows, float x, float y)
+{
+    enum { TURNS = 64, STEPS = 128 };
+    double sum = 0, weight = 0;
+    for (int i = 0; i < TURNS * STEPS; i++) {
+        double phi = (i % TURNS + 0.5) / TURNS * 0.5 * (double)RSV_PI;
+        double root = (i / TURNS + 0.5) / STEPS, cubed = root * root * root;
+        rsv_table_place turn = rsv_brushed_turn(x, y, (float)cos(phi), (float)sin(phi));
+        rsv_table_place at = rsv_table_place_at((float)root, RSV_BRUSHED_COS);
+        double low = (double)rsv_table_line(rows[turn.index], at);
+        double high = (double)rsv_table_line(rows[turn.index + 1], at);
+        sum += cubed * (low + (double)turn.weight * (high - low));
+        weight += cubed;
+    }
+    return (float)(sum / weight);
+}
+
+static void fill_brushed(rsv_bsdf_tables *t, int a, int s)
+{
+    float y = f_max(square(a, RSV_BRUSHED_ALPHA), 1e-3f);
+    float x = rsv_brushed_along(y, (float)s / (RSV_BRUSHED_STRENGTH - 1));
+    for (int k = 0; k < RSV_BRUSHED_TURN * RSV_BRUSHED_COS; k++) {
+        int turn = k / RSV_BRUSHED_COS, c = k % RSV_BRUSHED_COS;
+        float seen = y + (x - y) * square(turn, RSV_BRUSHED_TURN);
+        float cos2 = x > y ? (seen * seen - y * y) / (x * x - y * y) : 0;
+        float phi = acosf(sqrtf(f_min(f_max(cos2, 0), 1)));
+        float cos_o = f_max(square(c, RSV_BRUSHED_COS), 1e-5f);
+        t->brushed_missing[a][s][turn][c] = (float)(1 - brushed_albedo(x, y, cos_o, phi));
+    }
+    t->brushed_missing_mean[a][s] = brushed_mean(t->brushed_missing[a][s], x, y);
+}
+
 /// A lobe of the sensitivities below, about `peak` nanometres and of other widths on its two sides.
 static double lobe(double nm, double peak, double below, double above)
 {
@@ -266,6 +315,9 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     const int mean_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, 0 };
     const int facet_shape[] = { RSV_FACET_COS, RSV_TABLE_ALPHA, RSV_TABLE_COS, 0 };
     const int facet_mean_shape[] = { RSV_FACET_COS, RSV_TABLE_ALPHA, 0 };
+    const int brushed_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, RSV_BRUSHED_TURN,
+        RSV_BRUSHED_COS, 0 };
+    const int brushed_mean_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, 0 };
     const int film_shape[] = { RSV_FILM_STEPS, 3, 0 };
     const int spread_shape[] = { 2, RSV_TABLE_ALPHA, RSV_SPREAD_COS, RSV_SPREAD_COS, 0 };
     fprintf(file, "#include \"bsdf/tables.h\"\n\nconst rsv_bsdf_tables rsv_bsdf_tables_data = {\n");
@@ -280,6 +332,8 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     print_table(file, "facet", t->facet[0][0], facet_shape);
     print_table(file, "facet_mean", t->facet_mean[0], facet_mean_shape);
     print_table(file, "film_cosine", t->film_cosine[0], film_shape);
+    print_table(file, "brushed_missing", t->brushed_missing[0][0][0], brushed_shape);
+    print_table(file, "brushed_missing_mean", t->brushed_missing_mean[0], brushed_mean_shape);
     fprintf(file, "};\n");
 }
 
@@ -298,6 +352,8 @@ int main(int argc, char **argv)
         fill_means(&t, a);
     }
     fill_film(&t);
+    for (int k = 0; k < RSV_BRUSHED_ALPHA * RSV_BRUSHED_STRENGTH; k++)
+        fill_brushed(&t, k / RSV_BRUSHED_STRENGTH, k % RSV_BRUSHED_STRENGTH);
     print_tables(file, &t);
     return fclose(file) == 0 ? 0 : 1;
 }

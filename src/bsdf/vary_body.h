@@ -56,6 +56,18 @@ RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
            rsv_same_layers(a, b) && rsv_rgb_equal(a->specular_tint, b->specular_tint);
 }
 
+/// Sets the widths of facets. Only metal's are brushed: all others take the geometric mean.
+RSV_INLINE void rsv_bsdf_set_brush(rsv_bsdf *bsdf, const rsv_material *m)
+{
+    bsdf->brushed = m->anisotropy > 0 && m->metallic > 0;
+    if (!(m->anisotropy > 0)) return;
+    bsdf->brush_across = f_max(m->roughness * m->roughness, RSV_SMOOTH_ALPHA);
+    bsdf->brush_along = rsv_brushed_along(bsdf->brush_across, m->anisotropy);
+    bsdf->brush_alpha = rsv_table_place_at(sqrtf(bsdf->brush_across), RSV_BRUSHED_ALPHA);
+    bsdf->brush_strength = rsv_table_place_at(m->anisotropy, RSV_BRUSHED_STRENGTH);
+    bsdf->alpha = sqrtf(bsdf->brush_across * bsdf->brush_along);
+}
+
 /// Whether facets under a film reflect alike.
 RSV_INLINE bool rsv_same_film(const rsv_bsdf *a, const rsv_bsdf *b)
 {
@@ -117,6 +129,7 @@ RSV_INLINE bool rsv_bsdf_vary_unbalanced(const rsv_bsdf *bsdf, const rsv_materia
     varied.passed = bsdf->solid ? 0 : under * m->diffuse_transmission;
     varied.diffuse = under - varied.passed;
     varied.alpha = rsv_microsurface_width(m->roughness);
+    rsv_bsdf_set_brush(&varied, m);
     rsv_bsdf_set_layers(&varied, m);
     rsv_bsdf_set_film(&varied, bsdf, m);
     bool bends_at_coat = varied.ior > 1 || varied.film.share > 0;

@@ -64,6 +64,10 @@ constexpr property pbr_members[] = { { "baseColorFactor", 'N' },
     { "roughnessFactor", 'n' }, { "metallicRoughnessTexture", 'o', &texture_use } };
 constexpr schema pbr = { "pbrMetallicRoughness", "pbrMetallicRoughness", false, pbr_members, {} };
 
+constexpr property anisotropy_members[] = { { "anisotropyStrength", 'n' },
+    { "anisotropyRotation", 'n' }, { "anisotropyTexture", 'o', &texture_use } };
+constexpr schema anisotropy = { "anisotropy", "anisotropies", false, anisotropy_members, {} };
+
 constexpr property clearcoat_members[] = { { "clearcoatFactor", 'n' },
     { "clearcoatTexture", 'o', &texture_use }, { "clearcoatRoughnessFactor", 'n' },
     { "clearcoatRoughnessTexture", 'o', &texture_use },
@@ -127,7 +131,8 @@ constexpr property material_members[] = { { "name", 's' }, { "pbrMetallicRoughne
     { "normalTexture", 'o', &texture_use }, { "occlusionTexture", 'o', &texture_use },
     { "emissiveTexture", 'o', &texture_use }, { "emissiveFactor", 'N' }, { "alphaMode", 's' },
     { "alphaCutoff", 'n' }, { "doubleSided", 'b' } };
-constexpr property material_extensions[] = { { "KHR_materials_clearcoat", 'o', &clearcoat },
+constexpr property material_extensions[] = { { "KHR_materials_anisotropy", 'o', &anisotropy },
+    { "KHR_materials_clearcoat", 'o', &clearcoat },
     { "KHR_materials_diffuse_transmission", 'o', &diffuse },
     { "KHR_materials_emissive_strength", 'o', &strength }, { "KHR_materials_ior", 'o', &ior },
     { "KHR_materials_iridescence", 'o', &iridescence },

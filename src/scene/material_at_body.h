@@ -57,6 +57,10 @@ RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rs
             m->iridescence_thickness_min +
             texel.g * (m->iridescence_thickness_max - m->iridescence_thickness_min);
         break;
+    case RSV_TEXTURE_ANISOTROPY:
+        m->anisotropy *= texel.b;
+        m->anisotropy_rotation += atan2f(2 * texel.g - 1, 2 * texel.r - 1);
+        break;
     case RSV_TEXTURE_EMISSION:
         m->emission = rgb_mul(m->emission, color);
         break;
@@ -181,6 +185,21 @@ RSV_INLINE bool rsv_derived_tangent(const rsv_scene_view *scene, const rsv_textu
     return size > 0 && isfinite(size);
 }
 
+/// A tangent of the triangle that is at right angles to a normal, and the bitangent; false if there is none.
+RSV_INLINE bool rsv_tangent_frame(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    const uint32_t *corner, float u, float v, rsv_vec3 normal, rsv_vec3 frame[2])
+{
+    rsv_vec3 tangent;
+    float hand;
+    if (!rsv_vertex_tangent(scene, corner, u, v, &tangent, &hand) &&
+        !rsv_derived_tangent(scene, ref, corner, &tangent, &hand))
+        return false;
+    tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
+    frame[0] = v3_normalize(v3_mad(tangent, -v3_dot(tangent, normal), normal));
+    frame[1] = v3_scale(v3_cross(normal, frame[0]), hand);
+    return true;
+}
+
 RSV_INLINE const rsv_texture_ref *rsv_find_normal_map(const rsv_material *m)
 {
     for (size_t i = 0; i < m->texture_count; i++)
@@ -194,18 +213,37 @@ RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_texture_ref *ref =
         rsv_find_normal_map(&scene->material[scene->triangle_material[triangle]]);
     const uint32_t *corner = scene->triangle[triangle];
-    rsv_vec3 tangent;
-    float hand;
-    if (!ref || (!rsv_vertex_tangent(scene, corner, u, v, &tangent, &hand) &&
-                    !rsv_derived_tangent(scene, ref, corner, &tangent, &hand)))
-        return normal;
-    tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
-    tangent = v3_normalize(v3_mad(tangent, -v3_dot(tangent, normal), normal));
-    rsv_vec3 bitangent = v3_scale(v3_cross(normal, tangent), hand);
+    rsv_vec3 frame[2];
+    if (!ref || !rsv_tangent_frame(scene, ref, corner, u, v, normal, frame)) return normal;
     rsv_texel texel = rsv_texture_at(scene, ref, triangle, u, v, width);
     float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
-    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, tangent), y, bitangent);
+    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, frame[0]), y, frame[1]);
     return v3_length(mapped) > 0 ? v3_normalize(mapped) : normal;
+}
+
+// ---- brushed metal ------------------------------------------------------------------------------
+
+/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, or set 0 as it stands.
+RSV_INLINE rsv_texture_ref rsv_tangent_ref(const rsv_material *m)
+{
+    rsv_texture_ref ref = { RSV_TEXTURE_NORMAL, 0, 0, { { 1, 0, 0 }, { 0, 1, 0 } }, 1 };
+    for (size_t i = 0; i < m->texture_count; i++) {
+        if (m->textures[i].role == RSV_TEXTURE_ANISOTROPY) ref = m->textures[i];
+        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return m->textures[i];
+    }
+    return ref;
+}
+
+RSV_SHARED rsv_vec3 rsv_brush_direction(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float rotation)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_texture_ref ref = rsv_tangent_ref(&scene->material[scene->triangle_material[triangle]]);
+    rsv_vec3 normal = v3_normalize(v3_barycentric(scene->normal[corner[0]],
+        scene->normal[corner[1]], scene->normal[corner[2]], u, v));
+    rsv_vec3 frame[2];
+    if (!rsv_tangent_frame(scene, &ref, corner, u, v, normal, frame)) return v3(0, 0, 0);
+    return v3_mad(v3_scale(frame[0], cosf(rotation)), sinf(rotation), frame[1]);
 }
 
 #endif

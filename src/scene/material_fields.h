@@ -39,6 +39,9 @@
         "KHR_materials_iridescence", "iridescenceThicknessMinimum")                                \
     NUMBER(iridescence_thickness_max, 1, 400, 0, RSV_MOST_OF_MATERIAL,                             \
         "KHR_materials_iridescence", "iridescenceThicknessMaximum")                                \
+    NUMBER(anisotropy, 1, 0, 0, 1, "KHR_materials_anisotropy", "anisotropyStrength")               \
+    NUMBER(anisotropy_rotation, 1, 0, -RSV_MOST_OF_MATERIAL, RSV_MOST_OF_MATERIAL,                 \
+        "KHR_materials_anisotropy", "anisotropyRotation")                                          \
     NUMBER(opacity, 1, 1, 0, 1, NULL, NULL)                                                        \
     NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)
 
