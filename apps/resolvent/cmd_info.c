@@ -402,6 +402,7 @@ static void print_layers(const rsv_material *m)
     if (m->clearcoat > 0)
         printf("  clear coat %.3g of roughness %.3g", m->clearcoat, m->clearcoat_roughness);
     if (!is_black(m->sheen_color)) print_rgb("sheen", m->sheen_color);
+    if (m->dispersion > 0) printf("  Abbe number %.3g", 20 / m->dispersion);
     if (m->anisotropy > 0) printf("  anisotropy %.3g", m->anisotropy);
     if (m->iridescence > 0)
         printf("  thin film %.3g of ior %.3g, %.4g nm", m->iridescence, m->iridescence_ior,

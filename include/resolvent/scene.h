@@ -100,6 +100,9 @@ typedef struct rsv_material {
     /// iridescence_thickness_max, or between the two where a texture tells.
     float iridescence, iridescence_ior;
     float iridescence_thickness_min, iridescence_thickness_max;
+    /// Of smooth solid bodies: 20 / Abbe's number V; 0 = none. Red refracts with the ior less (ior - 1) / 2 V, blue with as much
+    /// more, green with `ior`.
+    float dispersion;
     /// 0..1: stretches the highlights of metal along the tangent (of texture coordinates, or the mesh's own), turned by
     /// `anisotropy_rotation` radians towards the bitangent: alpha is roughness^2 across, and along it
     /// roughness^2 + (1 - roughness^2) anisotropy^2. Of dielectrics it widens the highlight alike in all directions.

@@ -82,7 +82,8 @@ typedef struct rsv_bsdf {
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
-    bool brushed; ///< facets of metal have two widths
+    float dispersion; ///< of a smooth solid body: ior of blue less that of red, over ior - 1; 0 = none
+    bool brushed;     ///< facets of metal have two widths
     float brush_along, brush_across;
     rsv_table_place brush_alpha, brush_strength; ///< in the tables
     rsv_vec3 brush;                              ///< unit, of the longer width; zero = any direction will do
@@ -111,6 +112,37 @@ RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *mate
 
 /// The same for the diffuse lobe alone, at less cost: the others are undefined.
 RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *material);
+
+/// Colours that refract each in its own way.
+typedef enum rsv_channel {
+    RSV_CHANNEL_OPEN, ///< not chosen yet
+    RSV_CHANNEL_RED,
+    RSV_CHANNEL_GREEN,
+    RSV_CHANNEL_BLUE,
+    RSV_CHANNEL_ALL ///< refract alike
+} rsv_channel;
+
+/// The same material to light of one channel, where that matters.
+RSV_INLINE rsv_bsdf rsv_bsdf_in_channel(const rsv_bsdf *bsdf, rsv_channel channel)
+{
+    rsv_bsdf own = *bsdf;
+    float turn = (float)channel - (float)RSV_CHANNEL_GREEN;
+    own.ior = f_max(1 + (bsdf->ior - 1) * (1 + 0.5f * turn * bsdf->dispersion), RSV_LEAST_IOR);
+    return own;
+}
+
+/// What a channel chosen by even chance is worth.
+RSV_INLINE rsv_rgb rsv_channel_weight(rsv_channel channel)
+{
+    return rgb(channel == RSV_CHANNEL_RED ? 3 : 0, channel == RSV_CHANNEL_GREEN ? 3 : 0,
+        channel == RSV_CHANNEL_BLUE ? 3 : 0);
+}
+
+/// Whether light of channels goes different ways through the surface.
+RSV_INLINE bool rsv_bsdf_disperses(const rsv_bsdf *bsdf)
+{
+    return bsdf->dispersion > 0 && bsdf->alpha == 0;
+}
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,

@@ -80,6 +80,9 @@ constexpr property diffuse_members[] = { { "diffuseTransmissionFactor", 'n' },
 constexpr schema diffuse = { "diffuse transmission", "diffuse transmissions", false,
     diffuse_members, {} };
 
+constexpr property dispersion_members[] = { { "dispersion", 'n' } };
+constexpr schema dispersion = { "dispersion", "dispersions", false, dispersion_members, {} };
+
 constexpr property strength_members[] = { { "emissiveStrength", 'n' } };
 constexpr schema strength = { "emissive strength", "emissive strengths", false, strength_members,
     {} };
@@ -134,6 +137,7 @@ constexpr property material_members[] = { { "name", 's' }, { "pbrMetallicRoughne
 constexpr property material_extensions[] = { { "KHR_materials_anisotropy", 'o', &anisotropy },
     { "KHR_materials_clearcoat", 'o', &clearcoat },
     { "KHR_materials_diffuse_transmission", 'o', &diffuse },
+    { "KHR_materials_dispersion", 'o', &dispersion },
     { "KHR_materials_emissive_strength", 'o', &strength }, { "KHR_materials_ior", 'o', &ior },
     { "KHR_materials_iridescence", 'o', &iridescence },
     { "KHR_materials_pbrSpecularGlossiness", 'o', &glossiness },

@@ -23,6 +23,7 @@ typedef struct rsv_light_path {
     rsv_vec3 departure; ///< point of the surface that the ray left
     rsv_rgb throughput; ///< of basic radiance (surface/medium.h)
     rsv_medium medium;  ///< that the ray runs through
+    rsv_channel channel; ///< of its light, once a body has dispersed it
     float start_ior;    ///< of the medium that the path started in
     bool settled;       ///< has met the surface of a body, and so knows where it started
     uint32_t bounces, diffuse_events;

@@ -42,6 +42,7 @@
     NUMBER(anisotropy, 1, 0, 0, 1, "KHR_materials_anisotropy", "anisotropyStrength")               \
     NUMBER(anisotropy_rotation, 1, 0, -RSV_MOST_OF_MATERIAL, RSV_MOST_OF_MATERIAL,                 \
         "KHR_materials_anisotropy", "anisotropyRotation")                                          \
+    NUMBER(dispersion, 1, 0, 0, RSV_MOST_OF_MATERIAL, "KHR_materials_dispersion", "dispersion")    \
     NUMBER(opacity, 1, 1, 0, 1, NULL, NULL)                                                        \
     NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)
 

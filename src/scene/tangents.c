@@ -1,7 +1,7 @@
 /// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean, weighted by
 /// angle, of the directions in which u increases on the triangles around it.
 #include "../core/vec.h"
-#include "material_at_body.h"
+#include "material_at.h"
 #include "scene.h"
 
 /// Hand of a vertex whose triangles disagree: the texture is mirrored there.

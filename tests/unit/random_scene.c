@@ -138,6 +138,7 @@ static void choose_passage(maker *k)
     bool solid = k->choice.body && k->m.transmission > 0 && chance(random, 0.5f);
     if (solid) {
         k->m.thickness = 1;
+        k->m.dispersion = share(random, 0.6f, 0.2f);
         k->m.metallic = 0;
         k->m.transmission = 1;            // the rest would be black inside
         k->m.ior = f_min(k->m.ior, 2.8f); // light must get out again
