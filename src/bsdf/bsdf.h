@@ -82,13 +82,15 @@ typedef struct rsv_bsdf {
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
-    float dispersion; ///< of a smooth solid body: ior of blue less that of red, over ior - 1; 0 = none
-    bool brushed;     ///< facets of metal have two widths
+    float
+        dispersion; ///< of a smooth solid body: ior of blue less that of red, over ior - 1; 0 = none
+    bool brushed;   ///< facets of metal have two widths
     float brush_along, brush_across;
     rsv_table_place brush_alpha, brush_strength; ///< in the tables
-    rsv_vec3 brush;                              ///< unit, of the longer width; zero = any direction will do
-    rsv_thin_film film;                           ///< directly on the interface
-    rsv_rgb filmed[RSV_FILMED][RSV_FACET_COS];    ///< reflectance of facets under it, s in it; if film.share > 0
+    rsv_vec3 brush;     ///< unit, of the longer width; zero = any direction will do
+    rsv_thin_film film; ///< directly on the interface
+    rsv_rgb filmed[RSV_FILMED]
+                  [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body

@@ -51,8 +51,8 @@ RSV_INLINE void rsv_add_metal(
     float cos_i = v3_dot(n, wi), share = bsdf->metallic;
     if (share == 0 || cos_i <= 0) return;
     rsv_vec3 h = v3_normalize(v3_add(wi, wo));
-    rsv_add_term(value, share * rsv_metal_density(bsdf, wi, wo, n, h),
-        rsv_bsdf_metal(bsdf, v3_dot(wo, h)));
+    rsv_add_term(
+        value, share * rsv_metal_density(bsdf, wi, wo, n, h), rsv_bsdf_metal(bsdf, v3_dot(wo, h)));
     float missing = rsv_bsdf_metal_missing(bsdf, n, wo) * rsv_bsdf_metal_missing(bsdf, n, wi) /
                     rsv_bsdf_metal_missing_mean(bsdf);
     rsv_add_term(value, share * missing * cos_i / RSV_PI, rsv_bsdf_metal_again(bsdf));

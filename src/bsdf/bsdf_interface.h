@@ -126,7 +126,8 @@ RSV_INLINE rsv_rgb rsv_filmed_mean(const rsv_bsdf *bsdf, int kind, rsv_table_pla
     rsv_rgb sum = rgb_gray(0);
     RSV_ROLLED
     for (int k = 0; k < RSV_FACET_COS; k++)
-        sum = rgb_mad(sum, rsv_table_line(bsdf->tables->facet_mean[k], alpha), bsdf->filmed[kind][k]);
+        sum =
+            rgb_mad(sum, rsv_table_line(bsdf->tables->facet_mean[k], alpha), bsdf->filmed[kind][k]);
     return sum;
 }
 
@@ -146,8 +147,8 @@ RSV_INLINE rsv_facet_choice rsv_choose_at_facet(
     float fresnel = rsv_fresnel_dielectric(f_min(cos_h, 1), eta, cos_t);
     bool total = fresnel >= 1 && bsdf->solid;
     if (bsdf->film.share > 0 && !total) {
-        rsv_facet_light light =
-            rsv_filmed_facet(bsdf, RSV_FILMED_COAT, eta < 1 ? *cos_t : cos_h); // the same from both sides
+        rsv_facet_light light = rsv_filmed_facet(
+            bsdf, RSV_FILMED_COAT, eta < 1 ? *cos_t : cos_h); // the same from both sides
         return rsv_choice_of_light(light.reflected, light.largest);
     }
     return rsv_choice_of(total ? rgb_gray(1) : bsdf->specular_tint, fresnel);
@@ -310,9 +311,8 @@ RSV_INLINE float rsv_metal_density(
 /// Reflectance of metal for light that meets it more than once (Kulla and Conty).
 RSV_INLINE rsv_rgb rsv_bsdf_metal_again(const rsv_bsdf *bsdf)
 {
-    rsv_rgb f = bsdf->film.share > 0
-                    ? rsv_filmed_mean(bsdf, RSV_FILMED_METAL, rsv_table_alpha(0))
-                    : rsv_fresnel_schlick_mean(bsdf->base_color);
+    rsv_rgb f = bsdf->film.share > 0 ? rsv_filmed_mean(bsdf, RSV_FILMED_METAL, rsv_table_alpha(0))
+                                     : rsv_fresnel_schlick_mean(bsdf->base_color);
     float missing = rsv_bsdf_metal_missing_mean(bsdf), once = 1 - missing;
     return rgb(f.r * f.r * once / (1 - f.r * missing), f.g * f.g * once / (1 - f.g * missing),
         f.b * f.b * once / (1 - f.b * missing));

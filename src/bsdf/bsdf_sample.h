@@ -71,8 +71,7 @@ RSV_INLINE void rsv_draw_facet(rsv_bsdf_draw *draw, float u1, float u2)
     draw->h = rsv_from_frame(rsv_ggx_sample_visible(wo, draw->bsdf->alpha, u1, u2), draw->n);
 }
 
-RSV_INLINE float rsv_brushed_visibility(
-    const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 wo, rsv_vec3 wi)
+RSV_INLINE float rsv_brushed_visibility(const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 wo, rsv_vec3 wi)
 {
     return rsv_ggx_visibility_xy(rsv_to_brush(bsdf, n, wo), rsv_to_brush(bsdf, n, wi),
         bsdf->brush_along, bsdf->brush_across);
@@ -85,10 +84,9 @@ RSV_INLINE bool rsv_leaves(rsv_bsdf_draw *draw, rsv_vec3 wi, bool reflected)
     if (reflected ? cos_i <= 0 : cos_i >= 0) return false;
     draw->ideal = draw->bsdf->alpha == 0;
     if (draw->ideal) return true;
-    float visibility = draw->brushed
-                           ? rsv_brushed_visibility(draw->bsdf, draw->n, draw->wo, wi)
-                           : rsv_ggx_visibility(
-                                 v3_dot(draw->n, draw->wo), cos_i, draw->bsdf->alpha);
+    float visibility =
+        draw->brushed ? rsv_brushed_visibility(draw->bsdf, draw->n, draw->wo, wi)
+                      : rsv_ggx_visibility(v3_dot(draw->n, draw->wo), cos_i, draw->bsdf->alpha);
     return rsv_random_float(&draw->rest) < visibility;
 }
 
@@ -300,10 +298,9 @@ typedef struct rsv_glass_shares {
 
 RSV_INLINE rsv_glass_shares rsv_black_glass_shares(const rsv_bsdf *bsdf, float cos_o)
 {
-    rsv_glass_shares shares = {
-        rsv_bsdf_coat_chance(bsdf, cos_o),
-        rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) * (1 - rsv_bsdf_missing_transmitted(bsdf, 0))
-    };
+    rsv_glass_shares shares = { rsv_bsdf_coat_chance(bsdf, cos_o),
+        rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) *
+            (1 - rsv_bsdf_missing_transmitted(bsdf, 0)) };
     return shares;
 }
 
@@ -316,8 +313,8 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
     }
     if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
     // in the order in which draws split u[0]: the diffuse lobe has its last part
-    float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
-                    (1 - rsv_bsdf_coat_chance(bsdf, cos_o));
+    float diffuse =
+        (1 - bsdf->metallic) * (1 - bsdf->transmission) * (1 - rsv_bsdf_coat_chance(bsdf, cos_o));
     if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
     return 1 - diffuse;
 }

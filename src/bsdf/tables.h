@@ -13,7 +13,7 @@
 #define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))
 #define RSV_LOW_BENDS 13 ///< entries up to eta = 3, those that occur
 
-#define RSV_FILM_STEPS 2048         ///< of a path through a thin film
+#define RSV_FILM_STEPS 2048          ///< of a path through a thin film
 #define RSV_FILM_STEPS_PER_UM 200.0f ///< beyond the last one, 10 um, fringes have no colour left
 #define RSV_FILM_MOST_PATH ((RSV_FILM_STEPS - 1) / RSV_FILM_STEPS_PER_UM)
 #define RSV_FACET_COS 32 ///< cos = k / 31, with a facet

@@ -55,7 +55,8 @@ RSV_LARGE rsv_rgb rsv_film_reflectance(
     const rsv_bsdf_tables *tables, rsv_thin_film film, float base, float cos)
 {
     float n = film.ior, sin2 = f_max(1 - cos * cos, 0);
-    float in = sqrtf(f_max(1 - sin2 / (n * n), 0)), below = sqrtf(f_max(1 - sin2 / (base * base), 0));
+    float in = sqrtf(f_max(1 - sin2 / (n * n), 0)),
+          below = sqrtf(f_max(1 - sin2 / (base * base), 0));
     // cosines of 0 on both sides of an interface: it reflects nothing between media of the same index
     float least = 1e-12f, path = 2 * n * film.thickness * in;
     float s1 = (cos - n * in) / f_max(cos + n * in, least);
@@ -64,8 +65,8 @@ RSV_LARGE rsv_rgb rsv_film_reflectance(
     float p2 = (base * in - n * below) / f_max(base * in + n * below, least);
     rsv_rgb s = rsv_film_transmittance(tables, s1, s2, path);
     rsv_rgb p = rsv_film_transmittance(tables, p1, p2, path);
-    return rgb(f_min(f_max(1 - 0.5f * (s.r + p.r), 0), 1), f_min(f_max(1 - 0.5f * (s.g + p.g), 0), 1),
-        f_min(f_max(1 - 0.5f * (s.b + p.b), 0), 1));
+    return rgb(f_min(f_max(1 - 0.5f * (s.r + p.r), 0), 1),
+        f_min(f_max(1 - 0.5f * (s.g + p.g), 0), 1), f_min(f_max(1 - 0.5f * (s.b + p.b), 0), 1));
 }
 
 /// The ior of a dielectric that reflects `f0` straight on: it stands for a metal.
@@ -80,10 +81,8 @@ RSV_LARGE rsv_rgb rsv_film_reflectance_of_metal(
     const rsv_bsdf_tables *tables, rsv_thin_film film, rsv_rgb f0, float cos)
 {
     rsv_rgb r = rsv_film_reflectance(tables, film, rsv_ior_of_reflectance(f0.r), cos);
-    if (f0.g != f0.r)
-        r.g = rsv_film_reflectance(tables, film, rsv_ior_of_reflectance(f0.g), cos).g;
-    if (f0.b != f0.r)
-        r.b = rsv_film_reflectance(tables, film, rsv_ior_of_reflectance(f0.b), cos).b;
+    if (f0.g != f0.r) r.g = rsv_film_reflectance(tables, film, rsv_ior_of_reflectance(f0.g), cos).g;
+    if (f0.b != f0.r) r.b = rsv_film_reflectance(tables, film, rsv_ior_of_reflectance(f0.b), cos).b;
     return r;
 }
 

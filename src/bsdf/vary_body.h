@@ -90,7 +90,8 @@ RSV_INLINE float rsv_film_share(const rsv_bsdf *bsdf, float share)
 RSV_INLINE void rsv_bsdf_set_film(rsv_bsdf *bsdf, const rsv_bsdf *like, const rsv_material *m)
 {
     float micrometres = f_min(m->iridescence_thickness_max, 1e9f) / 1000;
-    rsv_thin_film film = { rsv_film_share(bsdf, m->iridescence), f_min(m->iridescence_ior, RSV_MOST_IOR), micrometres };
+    rsv_thin_film film = { rsv_film_share(bsdf, m->iridescence),
+        f_min(m->iridescence_ior, RSV_MOST_IOR), micrometres };
     if (!(micrometres > 0)) film.share = 0;
     bsdf->film = film;
     if (film.share == 0 || rsv_same_film(bsdf, like)) return;

@@ -153,7 +153,10 @@ constexpr property texture_members[] = { { "name", 's' }, { "sampler", 'i' }, { 
 constexpr property webp_members[] = { { "source", 'i' } };
 constexpr schema webp = { "WebP texture", "WebP textures", false, webp_members, {} };
 
-constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp } };
+constexpr schema basisu = { "KTX2 texture", "KTX2 textures", false, webp_members, {} };
+
+constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp },
+    { "KHR_texture_basisu", 'o', &basisu } };
 constexpr schema texture = { "texture", "textures", true, texture_members, texture_extensions };
 
 constexpr property image_members[] = { { "name", 's' }, { "uri", 's' }, { "mimeType", 's' },

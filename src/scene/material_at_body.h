@@ -33,9 +33,9 @@ RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_textu
         texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
 }
 
-#define RSV_TIMES_r(value) ((value) * texel.r)
-#define RSV_TIMES_g(value) ((value) * texel.g)
-#define RSV_TIMES_a(value) ((value) * texel.a)
+#define RSV_TIMES_r(value) ((value)*texel.r)
+#define RSV_TIMES_g(value) ((value)*texel.g)
+#define RSV_TIMES_a(value) ((value)*texel.a)
 #define RSV_TIMES_rgb(value) rgb_mul(value, color)
 
 RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)
@@ -228,8 +228,8 @@ RSV_SHARED rsv_vec3 rsv_brush_direction(
 {
     const uint32_t *corner = scene->triangle[triangle];
     rsv_texture_ref ref = rsv_tangent_ref(&scene->material[scene->triangle_material[triangle]]);
-    rsv_vec3 normal = v3_normalize(v3_barycentric(scene->normal[corner[0]],
-        scene->normal[corner[1]], scene->normal[corner[2]], u, v));
+    rsv_vec3 normal = v3_normalize(v3_barycentric(
+        scene->normal[corner[0]], scene->normal[corner[1]], scene->normal[corner[2]], u, v));
     rsv_vec3 frame[2];
     if (!rsv_tangent_frame(scene, &ref, corner, u, v, normal, frame)) return v3(0, 0, 0);
     return v3_mad(v3_scale(frame[0], cosf(rotation)), sinf(rotation), frame[1]);

@@ -22,12 +22,12 @@ typedef struct rsv_transport_scene {
 
 /// A specular path at one of its surfaces. Set by rsv_specular_begin, moved by rsv_specular_step.
 typedef struct rsv_specular_path {
-    rsv_vec3 direction; ///< unit, of the segment that arrived here
-    rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
-    rsv_medium medium;  ///< that the segment ran through
+    rsv_vec3 direction;  ///< unit, of the segment that arrived here
+    rsv_rgb weight;      ///< throughput of basic radiance up to this surface, all media included
+    rsv_medium medium;   ///< that the segment ran through
     rsv_channel channel; ///< of its light, once a body has dispersed it
-    float start_ior;    ///< of the medium that the specular path started in
-    bool settled;       ///< has met the surface of a body, and so knows where it started
+    float start_ior;     ///< of the medium that the specular path started in
+    bool settled;        ///< has met the surface of a body, and so knows where it started
     uint32_t triangle;
     float u, v;
     bool back;       ///< arrived at the triangle's back

@@ -27,8 +27,7 @@ RSV_INLINE const rsv_bsdf *rsv_surface_bsdf_of_all(
     rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
     *storage = rsv_bsdf_vary(&common[material], &m);
     if (storage->brushed)
-        storage->brush =
-            rsv_brush_direction(scene, at.triangle, at.u, at.v, m.anisotropy_rotation);
+        storage->brush = rsv_brush_direction(scene, at.triangle, at.u, at.v, m.anisotropy_rotation);
     if (!storage->solid) storage->opacity = m.opacity;
     return storage;
 }

@@ -73,13 +73,15 @@ const bsdf_case *bsdf_cases(void)
     layered.double_sided = true;
     cases[count++] = (bsdf_case){ "blend under both layers", layered, true };
     cases[count++] = (bsdf_case){ "coat under film", filmed(blend(0, 0, 0, 1.5f), 2, 350), false };
-    cases[count++] = (bsdf_case){ "glass under film", filmed(blend(0, 1, 1, 1.5f), 1.8f, 300), true };
+    cases[count++] =
+        (bsdf_case){ "glass under film", filmed(blend(0, 1, 1, 1.5f), 1.8f, 300), true };
     cases[count++] = (bsdf_case){ "soap", filmed(blend(0, 1, 0, 1), 1.33f, 500), true };
     cases[count++] =
         (bsdf_case){ "blend under film", filmed(blend(0.3f, 0.5f, 0, 1.5f), 1.3f, 400), false };
     cases[count++] = (bsdf_case){ "brushed metal", brushed(blend(1, 0, 0, 1.5f), 0.6f), false };
     cases[count++] = (bsdf_case){ "metal brushed well", brushed(blend(1, 0, 0, 1.5f), 1), false };
-    cases[count++] = (bsdf_case){ "brushed blend", brushed(blend(0.4f, 0.5f, 0, 1.5f), 0.3f), false };
+    cases[count++] =
+        (bsdf_case){ "brushed blend", brushed(blend(0.4f, 0.5f, 0, 1.5f), 0.3f), false };
     layered = brushed(blend(1, 0, 0, 1.5f), 0.8f);
     layered.clearcoat = 1;
     layered.clearcoat_roughness = 0.3f;

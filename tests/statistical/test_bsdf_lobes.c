@@ -53,8 +53,10 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
     bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, bsdf->brushed ? 768 : 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
     bool dimmed = bsdf->brushed && bsdf->layered; // rsv_bsdf_brushed_ways
-    report(energy > (dimmed ? 0.9 : 0.995) && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
-    if (bsdf->film.share > 0 && bsdf->alpha == 0) return; // chances are of the channel that is reflected most
+    report(
+        energy > (dimmed ? 0.9 : 0.995) && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    if (bsdf->film.share > 0 && bsdf->alpha == 0)
+        return; // chances are of the channel that is reflected most
     double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);
     report(fabs(whole - 1) < 0.005, "density", c, bsdf, cos_o, front, whole);
 }
@@ -121,8 +123,9 @@ static void check_draws(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, b
         bsdf_patch patch = { (float)i / BINS_U, (float)(i + 1) / BINS_U, (float)j / BINS_V,
             (float)(j + 1) / BINS_V, bsdf->brushed ? 24 : 8, bsdf->brushed ? 96 : 6 };
         const bsdf_chart *side = &chart[bin / (BINS_U * BINS_V)];
-        density[bin] = mirrored < bin && !bsdf->brushed ? density[mirrored]
-                                      : bsdf_integrate(bsdf, wo, front, side, patch).density;
+        density[bin] = mirrored < bin && !bsdf->brushed
+                           ? density[mirrored]
+                           : bsdf_integrate(bsdf, wo, front, side, patch).density;
         expected += DRAWS * density[bin];
         found += counts[bin];
         if (expected < 20) continue;

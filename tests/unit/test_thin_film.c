@@ -75,8 +75,7 @@ static void reflects_as_the_sum_over_wavelengths(void **state)
         double cos_o = cosines[k / 25 % 5], nm = thicknesses[k / 125], mean[3];
         spectral_mean(film, nm, base, cos_o, mean);
         const rsv_thin_film thin = { 1, (float)film, (float)(nm / 1000) };
-        rsv_rgb r =
-            rsv_film_reflectance(&rsv_bsdf_tables_data, thin, (float)base, (float)cos_o);
+        rsv_rgb r = rsv_film_reflectance(&rsv_bsdf_tables_data, thin, (float)base, (float)cos_o);
         const float found[3] = { r.r, r.g, r.b };
         for (int c = 0; c < 3; c++)
             if (!(fabs((double)found[c] - mean[c]) < 2e-3))
