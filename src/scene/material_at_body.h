@@ -185,13 +185,14 @@ RSV_INLINE bool rsv_derived_tangent(const rsv_scene_view *scene, const rsv_textu
     return size > 0 && isfinite(size);
 }
 
-/// A tangent of the triangle that is at right angles to a normal, and the bitangent; false if there is none.
+/// A tangent of the triangle at right angles to a normal, and the bitangent; false if there is none.
+/// @param at u and v on the triangle @param frame in: [0] the normal, unit; out: tangent and bitangent
 RSV_INLINE bool rsv_tangent_frame(const rsv_scene_view *scene, const rsv_texture_ref *ref,
-    const uint32_t *corner, float u, float v, rsv_vec3 normal, rsv_vec3 frame[2])
+    const uint32_t *corner, const float at[2], rsv_vec3 frame[2])
 {
-    rsv_vec3 tangent;
+    rsv_vec3 tangent, normal = frame[0];
     float hand;
-    if (!rsv_vertex_tangent(scene, corner, u, v, &tangent, &hand) &&
+    if (!rsv_vertex_tangent(scene, corner, at[0], at[1], &tangent, &hand) &&
         !rsv_derived_tangent(scene, ref, corner, &tangent, &hand))
         return false;
     tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
@@ -213,8 +214,9 @@ RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_texture_ref *ref =
         rsv_find_normal_map(&scene->material[scene->triangle_material[triangle]]);
     const uint32_t *corner = scene->triangle[triangle];
-    rsv_vec3 frame[2];
-    if (!ref || !rsv_tangent_frame(scene, ref, corner, u, v, normal, frame)) return normal;
+    rsv_vec3 frame[2] = { normal };
+    const float at[2] = { u, v };
+    if (!ref || !rsv_tangent_frame(scene, ref, corner, at, frame)) return normal;
     rsv_texel texel = rsv_texture_at(scene, ref, triangle, u, v, width);
     float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
     rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, frame[0]), y, frame[1]);
@@ -228,10 +230,11 @@ RSV_SHARED rsv_vec3 rsv_brush_direction(
 {
     const uint32_t *corner = scene->triangle[triangle];
     rsv_texture_ref ref = rsv_tangent_ref(&scene->material[scene->triangle_material[triangle]]);
-    rsv_vec3 normal = v3_normalize(v3_barycentric(
-        scene->normal[corner[0]], scene->normal[corner[1]], scene->normal[corner[2]], u, v));
-    rsv_vec3 frame[2];
-    if (!rsv_tangent_frame(scene, &ref, corner, u, v, normal, frame)) return v3(0, 0, 0);
+    const rsv_vec3 *normal = scene->normal;
+    const float at[2] = { u, v };
+    rsv_vec3 frame[2] = { v3_normalize(
+        v3_barycentric(normal[corner[0]], normal[corner[1]], normal[corner[2]], u, v)) };
+    if (!rsv_tangent_frame(scene, &ref, corner, at, frame)) return v3(0, 0, 0);
     return v3_mad(v3_scale(frame[0], cosf(rotation)), sinf(rotation), frame[1]);
 }
 
