@@ -164,6 +164,9 @@ static const char *const role_names[RSV_TEXTURE_ROLE_COUNT] = {
     [RSV_TEXTURE_SHEEN_ROUGHNESS] = "sheen roughness",
     [RSV_TEXTURE_DIFFUSE_TRANSMISSION] = "diffuse transmission",
     [RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR] = "diffuse transmission color",
+    [RSV_TEXTURE_ANISOTROPY] = "anisotropy",
+    [RSV_TEXTURE_IRIDESCENCE] = "iridescence",
+    [RSV_TEXTURE_IRIDESCENCE_THICKNESS] = "iridescence thickness",
 };
 
 static void add_textures(cJSON *item, const rsv_scene *scene, const rsv_material *material)
@@ -399,6 +402,11 @@ static void print_layers(const rsv_material *m)
     if (m->clearcoat > 0)
         printf("  clear coat %.3g of roughness %.3g", m->clearcoat, m->clearcoat_roughness);
     if (!is_black(m->sheen_color)) print_rgb("sheen", m->sheen_color);
+    if (m->dispersion > 0) printf("  Abbe number %.3g", 20 / m->dispersion);
+    if (m->anisotropy > 0) printf("  anisotropy %.3g", m->anisotropy);
+    if (m->iridescence > 0)
+        printf("  thin film %.3g of ior %.3g, %.4g nm", m->iridescence, m->iridescence_ior,
+            m->iridescence_thickness_max);
     if (m->diffuse_transmission > 0) printf("  diffuse transmission %.3g", m->diffuse_transmission);
     if (!is_black(m->scatter_distance)) print_rgb("scatters within m", m->scatter_distance);
 }

@@ -51,6 +51,9 @@ typedef enum rsv_texture_role {
     RSV_TEXTURE_SHEEN_ROUGHNESS,            ///< a
     RSV_TEXTURE_DIFFUSE_TRANSMISSION,       ///< a
     RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, ///< rgb
+    RSV_TEXTURE_IRIDESCENCE,                ///< r
+    RSV_TEXTURE_IRIDESCENCE_THICKNESS,      ///< g: from iridescence_thickness_min to _max
+    RSV_TEXTURE_ANISOTROPY, ///< rg: direction in tangent space, 0..1 for -1..1, turned by anisotropy_rotation; b: strength
     RSV_TEXTURE_ROLE_COUNT
 } rsv_texture_role;
 
@@ -95,6 +98,17 @@ typedef struct rsv_material {
     /// Mean free path of light that enters and scatters below the surface, metres per channel, after
     /// which it leaves with `base_color` as its total reflectance; black = leaves where it entered.
     rsv_rgb scatter_distance;
+    /// Share of the surface under a thin film, directly on the interface; its index, >= 1, and its thickness in nanometres:
+    /// iridescence_thickness_max, or between the two where a texture tells.
+    float iridescence, iridescence_ior;
+    float iridescence_thickness_min, iridescence_thickness_max;
+    /// Of smooth solid bodies: 20 / Abbe's number V; 0 = none. Red refracts with the ior less (ior - 1) / 2 V, blue with as much
+    /// more, green with `ior`.
+    float dispersion;
+    /// 0..1: stretches the highlights of metal along the tangent (of texture coordinates, or the mesh's own), turned by
+    /// `anisotropy_rotation` radians towards the bitangent: alpha is roughness^2 across, and along it
+    /// roughness^2 + (1 - roughness^2) anisotropy^2. Of dielectrics it widens the highlight alike in all directions.
+    float anisotropy, anisotropy_rotation;
     float opacity; ///< coverage: light passes unchanged through the rest
     /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
     float alpha_cutoff;

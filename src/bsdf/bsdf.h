@@ -10,6 +10,9 @@
 ///     glass    reflects s F, transmits (1 - s F) base_color (refracted into a body if thickness > 0)
 ///     coated   reflects s F and diffuses D T(wo) under it, D = (1 - m)(1 - t), T(w) = 1 - s R(w)
 ///
+/// Under a thin film F is that of the film, per channel (thin_film.h); of rough surfaces it is linear between
+/// RSV_FACET_COS cosines with the facets, so that its directional albedo is a sum of tabulated ones.
+///
 /// F is the Fresnel reflectance, R(w) the directional albedo of the (rough) interface, s its tint.
 /// Rough interfaces are GGX microsurfaces of width alpha = roughness^2; what they lose because one
 /// event per microsurface is not all, a lobe of Kulla and Conty's form gives back (2017; here for
@@ -46,6 +49,7 @@
 #include "ggx.h"
 #include "resolvent/scene.h"
 #include "tables.h"
+#include "thin_film.h"
 
 /// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
 #define RSV_SMOOTH_ALPHA 1e-3f
@@ -55,6 +59,9 @@
 
 /// Of the layer of KHR_materials_clearcoat.
 #define RSV_CLEARCOAT_IOR 1.5f
+
+/// Interfaces that may lie under a thin film.
+enum { RSV_FILMED_METAL, RSV_FILMED_COAT, RSV_FILMED };
 
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
@@ -75,6 +82,15 @@ typedef struct rsv_bsdf {
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
+    float
+        dispersion; ///< of a smooth solid body: ior of blue less that of red, over ior - 1; 0 = none
+    bool brushed;   ///< facets of metal have two widths
+    float brush_along, brush_across;
+    rsv_table_place brush_alpha, brush_strength; ///< in the tables
+    rsv_vec3 brush;     ///< unit, of the longer width; zero = any direction will do
+    rsv_thin_film film; ///< directly on the interface
+    rsv_rgb filmed[RSV_FILMED]
+                  [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body
@@ -98,6 +114,37 @@ RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *mate
 
 /// The same for the diffuse lobe alone, at less cost: the others are undefined.
 RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *material);
+
+/// Colours that refract each in its own way.
+typedef enum rsv_channel {
+    RSV_CHANNEL_OPEN, ///< not chosen yet
+    RSV_CHANNEL_RED,
+    RSV_CHANNEL_GREEN,
+    RSV_CHANNEL_BLUE,
+    RSV_CHANNEL_ALL ///< refract alike
+} rsv_channel;
+
+/// The same material to light of one channel, where that matters.
+RSV_INLINE rsv_bsdf rsv_bsdf_in_channel(const rsv_bsdf *bsdf, rsv_channel channel)
+{
+    rsv_bsdf own = *bsdf;
+    float turn = (float)channel - (float)RSV_CHANNEL_GREEN;
+    own.ior = f_max(1 + (bsdf->ior - 1) * (1 + 0.5f * turn * bsdf->dispersion), RSV_LEAST_IOR);
+    return own;
+}
+
+/// What a channel chosen by even chance is worth.
+RSV_INLINE rsv_rgb rsv_channel_weight(rsv_channel channel)
+{
+    return rgb(channel == RSV_CHANNEL_RED ? 3 : 0, channel == RSV_CHANNEL_GREEN ? 3 : 0,
+        channel == RSV_CHANNEL_BLUE ? 3 : 0);
+}
+
+/// Whether light of channels goes different ways through the surface.
+RSV_INLINE bool rsv_bsdf_disperses(const rsv_bsdf *bsdf)
+{
+    return bsdf->dispersion > 0 && bsdf->alpha == 0;
+}
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,

@@ -11,7 +11,7 @@ RSV_INLINE void rsv_set_ideal_branches(
     float eta = rsv_bsdf_eta(bsdf, front), dielectric = 1 - bsdf->metallic;
     rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_o, eta, &cos_t);
     branches->reflect = rgb_mad(rgb_scale(choice.reflected, dielectric * choice.reflect),
-        bsdf->metallic, rsv_fresnel_schlick(bsdf->base_color, cos_o));
+        bsdf->metallic, rsv_bsdf_metal(bsdf, cos_o));
     branches->transmit = rgb_scale(rgb_mul(choice.transmitted, bsdf->base_color),
         dielectric * bsdf->transmission * (1 - choice.reflect));
     if (bsdf->solid) branches->transmit_direction = rsv_refracted(wo, n, eta, cos_o, cos_t);
@@ -48,13 +48,13 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
 RSV_INLINE void rsv_add_metal(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
 {
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), share = bsdf->metallic;
+    float cos_i = v3_dot(n, wi), share = bsdf->metallic;
     if (share == 0 || cos_i <= 0) return;
     rsv_vec3 h = v3_normalize(v3_add(wi, wo));
-    rsv_add_term(value, share * rsv_reflection_density(bsdf->alpha, wi, wo, n, h),
-        rsv_fresnel_schlick(bsdf->base_color, v3_dot(wo, h)));
-    float missing = rsv_bsdf_missing(bsdf, false, 0, cos_o) *
-                    rsv_bsdf_missing(bsdf, false, 0, cos_i) / rsv_bsdf_missing_mean(bsdf, false, 0);
+    rsv_add_term(
+        value, share * rsv_metal_density(bsdf, wi, wo, n, h), rsv_bsdf_metal(bsdf, v3_dot(wo, h)));
+    float missing = rsv_bsdf_metal_missing(bsdf, n, wo) * rsv_bsdf_metal_missing(bsdf, n, wi) /
+                    rsv_bsdf_metal_missing_mean(bsdf);
     rsv_add_term(value, share * missing * cos_i / RSV_PI, rsv_bsdf_metal_again(bsdf));
 }
 
@@ -176,7 +176,8 @@ RSV_INLINE void rsv_add_layered_base(rsv_bsdf_value *value, const rsv_bsdf *bsdf
     if (bsdf->metallic < 1)
         interface = rsv_bsdf_both_ways(bsdf, RSV_SPREAD_INTERFACE, cos_i, cos_o);
     rsv_rgb body = cos_i < 0 ? passage.light : interface;
-    rsv_add_dimmed(value, &base->metal, passage.chance, metal);
+    rsv_add_dimmed(value, &base->metal, passage.chance,
+        bsdf->brushed ? rsv_bsdf_brushed_ways(bsdf, cos_i, cos_o) : metal);
     rsv_add_dimmed(value, &base->interface, passage.chance,
         rgb_mad(interface, sheet, rgb_sub(metal, interface)));
     rsv_add_dimmed(value, &base->glass, passage.chance, bsdf->solid ? body : metal);

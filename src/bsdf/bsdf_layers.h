@@ -7,7 +7,7 @@
 #ifndef RSV_BSDF_LAYERS_H
 #define RSV_BSDF_LAYERS_H
 
-#define RSV_LAYER_VALUES 6
+#define RSV_LAYER_VALUES 9
 
 /// All that a layer is made of.
 typedef struct rsv_layer_values {
@@ -17,7 +17,7 @@ typedef struct rsv_layer_values {
 RSV_INLINE rsv_layer_values rsv_bsdf_layer_values(const rsv_bsdf *b)
 {
     rsv_layer_values v = { { b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->sheen.r,
-        b->sheen.g, b->sheen.b } };
+        b->sheen.g, b->sheen.b, b->film.share, b->film.ior, b->film.thickness } };
     return v;
 }
 
@@ -96,11 +96,18 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
+/// What layers leave of light off brushed metal: how that spreads is not tabulated, so that a little is lost where the less
+/// of both ways is taken, and nothing gained.
+RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    rsv_rgb i = rsv_bsdf_passage(bsdf, cos_i).light, o = rsv_bsdf_passage(bsdf, cos_o).light;
+    return rgb(f_min(i.r, o.r), f_min(i.g, o.g), f_min(i.b, o.b));
+}
+
 RSV_LARGE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return rgb_gray(1);
-    rsv_rgb passed = rgb_scale(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos));
-    passed = rsv_one_minus(passed);
+    rsv_rgb passed = rsv_one_minus(rsv_bsdf_coat_albedo(bsdf, cos));
     return bsdf->layered ? rgb_mul(passed, rsv_bsdf_passage(bsdf, cos).light) : passed;
 }
 
@@ -113,7 +120,7 @@ RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
 RSV_INLINE float rsv_bsdf_exit_chance(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return 1;
-    float chance = 1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos);
+    float chance = 1 - rsv_bsdf_coat_chance(bsdf, cos);
     return bsdf->layered ? chance * rsv_bsdf_passage(bsdf, cos).chance : chance;
 }
 

@@ -14,6 +14,7 @@ typedef struct rsv_bsdf_draw {
     const rsv_bsdf *bsdf;
     rsv_vec3 wo, n, h; ///< h: facet, = n if the interface is smooth
     bool front;
+    bool brushed;    ///< off brushed metal
     bool ideal;      ///< the direction comes from an ideal lobe
     bool entered;    ///< it left through the coat diffusely: the weight knows the layers already
     int spread;      ///< RSV_SPREAD_* of the base's lobe
@@ -50,11 +51,30 @@ RSV_INLINE rsv_bsdf_event rsv_event(rsv_lobe lobe, rsv_vec3 direction, rsv_rgb w
     return event;
 }
 
+RSV_INLINE rsv_vec3 rsv_from_brush(const rsv_bsdf_draw *draw, rsv_vec3 w)
+{
+    rsv_vec3 x, y;
+    rsv_brush_frame(draw->bsdf, draw->n, &x, &y);
+    return v3_normalize(v3_mad(v3_mad(v3_scale(draw->n, w.z), w.x, x), w.y, y));
+}
+
 RSV_INLINE void rsv_draw_facet(rsv_bsdf_draw *draw, float u1, float u2)
 {
     if (draw->bsdf->alpha == 0) return;
+    if (draw->brushed) {
+        rsv_vec3 wo = rsv_to_brush(draw->bsdf, draw->n, draw->wo);
+        float along = draw->bsdf->brush_along, across = draw->bsdf->brush_across;
+        draw->h = rsv_from_brush(draw, rsv_ggx_sample_visible_xy(wo, along, across, u1, u2));
+        return;
+    }
     rsv_vec3 wo = rsv_to_frame(draw->wo, draw->n);
     draw->h = rsv_from_frame(rsv_ggx_sample_visible(wo, draw->bsdf->alpha, u1, u2), draw->n);
+}
+
+RSV_INLINE float rsv_brushed_visibility(const rsv_bsdf *bsdf, rsv_vec3 n, rsv_vec3 wo, rsv_vec3 wi)
+{
+    return rsv_ggx_visibility_xy(rsv_to_brush(bsdf, n, wo), rsv_to_brush(bsdf, n, wi),
+        bsdf->brush_along, bsdf->brush_across);
 }
 
 /// Whether light that met the facet leaves the microsurface towards `wi` unhindered.
@@ -64,7 +84,9 @@ RSV_INLINE bool rsv_leaves(rsv_bsdf_draw *draw, rsv_vec3 wi, bool reflected)
     if (reflected ? cos_i <= 0 : cos_i >= 0) return false;
     draw->ideal = draw->bsdf->alpha == 0;
     if (draw->ideal) return true;
-    float visibility = rsv_ggx_visibility(v3_dot(draw->n, draw->wo), cos_i, draw->bsdf->alpha);
+    float visibility =
+        draw->brushed ? rsv_brushed_visibility(draw->bsdf, draw->n, draw->wo, wi)
+                      : rsv_ggx_visibility(v3_dot(draw->n, draw->wo), cos_i, draw->bsdf->alpha);
     return rsv_random_float(&draw->rest) < visibility;
 }
 
@@ -75,11 +97,12 @@ RSV_INLINE rsv_vec3 rsv_draw_missing(rsv_bsdf_draw *draw, bool body, int side, f
     for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
         float x = rsv_random_float(&draw->rest);
         local = rsv_square_to_cosine_hemisphere(x, rsv_random_float(&draw->rest));
-        float missing = rsv_bsdf_missing(draw->bsdf, body, side, local.z);
+        float missing = draw->brushed ? rsv_brushed_missing(draw->bsdf, local)
+                                      : rsv_bsdf_missing(draw->bsdf, body, side, local.z);
         if (rsv_random_float(&draw->rest) < missing) break;
     }
     local.z *= sign;
-    return rsv_from_frame(local, draw->n);
+    return draw->brushed ? rsv_from_brush(draw, local) : rsv_from_frame(local, draw->n);
 }
 
 RSV_INLINE rsv_bsdf_event rsv_draw_metal(rsv_bsdf_draw *draw)
@@ -88,7 +111,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_metal(rsv_bsdf_draw *draw)
     rsv_vec3 wi = rsv_mirrored(draw->wo, draw->h);
     if (rsv_leaves(draw, wi, true)) {
         float cos_h = f_min(v3_dot(draw->wo, draw->h), 1);
-        return rsv_event(RSV_LOBE_REFLECT, wi, rsv_fresnel_schlick(bsdf->base_color, cos_h));
+        return rsv_event(RSV_LOBE_REFLECT, wi, rsv_bsdf_metal(bsdf, cos_h));
     }
     if (bsdf->alpha == 0) return rsv_event(RSV_LOBE_NONE, wi, rgb_gray(0));
     return rsv_event(
@@ -153,7 +176,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
                    ? event
                    : rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
     float cos_o = v3_dot(draw->n, draw->wo);
-    float reflected = rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o);
+    float reflected = rsv_bsdf_coat_chance(bsdf, cos_o);
     if (rsv_split_number(&u, reflected)) {
         // the chance is the mean over facets, so a facet is wanted that does reflect
         for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
@@ -225,8 +248,10 @@ RSV_INLINE rsv_bsdf_event rsv_draw_sheen(rsv_bsdf_draw *draw)
 
 RSV_LARGE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, float u2)
 {
+    bool metal = rsv_split_number(&u, draw->bsdf->metallic);
+    draw->brushed = metal && draw->bsdf->brushed;
     rsv_draw_facet(draw, u1, u2);
-    if (rsv_split_number(&u, draw->bsdf->metallic)) return rsv_draw_metal(draw);
+    if (metal) return rsv_draw_metal(draw);
     if (rsv_split_number(&u, draw->bsdf->transmission)) return rsv_draw_glass(draw, u);
     return rsv_draw_coated(draw, u);
 }
@@ -237,6 +262,7 @@ RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direct
     float cos_o = v3_dot(draw->n, draw->wo), cos_i = v3_dot(draw->n, direction);
     bool refracted = draw->bsdf->solid && cos_i < 0;
     if (draw->ideal || refracted) return rsv_bsdf_passage(draw->bsdf, cos_o).light;
+    if (draw->brushed) return rsv_bsdf_brushed_ways(draw->bsdf, cos_i, cos_o);
     return rsv_bsdf_both_ways(draw->bsdf, draw->spread, cos_i, cos_o);
 }
 
@@ -272,10 +298,9 @@ typedef struct rsv_glass_shares {
 
 RSV_INLINE rsv_glass_shares rsv_black_glass_shares(const rsv_bsdf *bsdf, float cos_o)
 {
-    rsv_glass_shares shares = {
-        rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o),
-        rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) * (1 - rsv_bsdf_missing_transmitted(bsdf, 0))
-    };
+    rsv_glass_shares shares = { rsv_bsdf_coat_chance(bsdf, cos_o),
+        rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) *
+            (1 - rsv_bsdf_missing_transmitted(bsdf, 0)) };
     return shares;
 }
 
@@ -288,8 +313,8 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
     }
     if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
     // in the order in which draws split u[0]: the diffuse lobe has its last part
-    float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
-                    (1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o));
+    float diffuse =
+        (1 - bsdf->metallic) * (1 - bsdf->transmission) * (1 - rsv_bsdf_coat_chance(bsdf, cos_o));
     if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
     return 1 - diffuse;
 }
@@ -304,7 +329,7 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
         rsv_bsdf_event diffuse = { RSV_LOBE_DIFFUSE, n, rgb_gray(1), 1 };
         return diffuse;
     }
-    rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, RSV_SPREAD_METAL,
+    rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, false, RSV_SPREAD_METAL,
         rsv_random_from(rsv_number_bits(u[0]), rsv_number_bits(u[1]), rsv_number_bits(u[2])) };
     rsv_bsdf_event event = rsv_bsdf_meets_layers(bsdf, front)
                                ? rsv_draw_layered(&draw, u[0], u[1], u[2])
@@ -355,7 +380,7 @@ RSV_LARGE rsv_bsdf_event rsv_bsdf_draw_specular(
                       bsdf->transmission == 0 && !rsv_bsdf_meets_layers(bsdf, front);
     rsv_bsdf_event event;
     if (coat_alone || black_glass) {
-        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, 0,
+        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, false, 0,
             rsv_random_from(rsv_number_bits(u[0]), rsv_number_bits(u[1]), rsv_number_bits(u[2])) };
         event = black_glass ? rsv_draw_black_glass(&draw, u[0], u[1], u[2])
                             : rsv_draw_weighted_coat(&draw, u[1], u[2]);

@@ -36,6 +36,7 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
     bsdf.solid = material->thickness > 0 && material->transmission > 0 && material->metallic < 1;
     bsdf.straight = bsdf.solid && bsdf.ior == 1;
     bsdf.double_sided = material->double_sided || bsdf.solid;
+    if (bsdf.solid && !bsdf.straight) bsdf.dispersion = f_min(material->dispersion, 1e6f) / 20;
     if (bsdf.solid) bsdf.opacity = 1; // a body has no holes
     if (bsdf.solid) {
         float distance = material->attenuation_distance;

@@ -13,11 +13,22 @@
 #define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))
 #define RSV_LOW_BENDS 13 ///< entries up to eta = 3, those that occur
 
+#define RSV_FILM_STEPS 2048          ///< of a path through a thin film
+#define RSV_FILM_STEPS_PER_UM 200.0f ///< beyond the last one, 10 um, fringes have no colour left
+#define RSV_FILM_MOST_PATH ((RSV_FILM_STEPS - 1) / RSV_FILM_STEPS_PER_UM)
+#define RSV_FACET_COS 32 ///< cos = k / 31, with a facet
+
+#define RSV_BRUSHED_ALPHA 16    ///< alpha across = (k / 15)^2
+#define RSV_BRUSHED_STRENGTH 11 ///< alpha along = across + (1 - across) (k / 10)^2
+#define RSV_BRUSHED_TURN 8      ///< alpha seen = across + (along - across) (k / 7)^2
+#define RSV_BRUSHED_COS 24      ///< cos = (k / 23)^2
+
 #define RSV_LOW_IOR 1.5f
 #define RSV_HIGH_IOR 3.0f
 #define RSV_SPREAD_COS 24 ///< cos = (k / 23)^2
 
 typedef float rsv_albedo_row[RSV_TABLE_COS];
+typedef float rsv_brushed_rows[RSV_BRUSHED_TURN][RSV_BRUSHED_COS];
 
 /// Light off white metal with all that it scatters again, or reflected once by a dielectric.
 enum { RSV_SPREAD_METAL, RSV_SPREAD_INTERFACE, RSV_SPREADS };
@@ -39,6 +50,13 @@ typedef struct rsv_bsdf_tables {
     float missing_mean[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
     rsv_spread metal_spread[RSV_TABLE_ALPHA];        ///< lossless
     rsv_spread interface_spread[2][RSV_TABLE_ALPHA]; ///< of ior RSV_LOW_IOR, RSV_HIGH_IOR
+    /// Reflected once by facets whose reflectance is 1 at cosine k, 0 at k - 1 and k + 1, and linear in between.
+    rsv_albedo_row facet[RSV_FACET_COS][RSV_TABLE_ALPHA];
+    float facet_mean[RSV_FACET_COS][RSV_TABLE_ALPHA];
+    float film_cosine[RSV_FILM_STEPS][3]; ///< thin_film.h
+    /// conductor_missing of surfaces with two widths.
+    rsv_brushed_rows brushed_missing[RSV_BRUSHED_ALPHA][RSV_BRUSHED_STRENGTH];
+    float brushed_missing_mean[RSV_BRUSHED_ALPHA][RSV_BRUSHED_STRENGTH];
 } rsv_bsdf_tables;
 
 extern const rsv_bsdf_tables rsv_bsdf_tables_data;
@@ -81,6 +99,12 @@ RSV_INLINE rsv_table_place rsv_table_eta(float eta)
     return rsv_table_place_at(at / (RSV_TABLE_ETA - 1), RSV_TABLE_ETA);
 }
 
+/// Of facets.
+RSV_INLINE rsv_table_place rsv_facet_cos(float cos)
+{
+    return rsv_table_place_at(cos, RSV_FACET_COS);
+}
+
 RSV_INLINE float rsv_table_line(const float *entry, rsv_table_place at)
 {
     return entry[at.index] + at.weight * (entry[at.index + 1] - entry[at.index]);
@@ -103,6 +127,22 @@ RSV_INLINE float rsv_table_dielectric(const rsv_albedo_row (*table)[RSV_TABLE_AL
 {
     float low = rsv_table_albedo(table[eta.index], alpha, cos);
     return low + eta.weight * (rsv_table_albedo(table[eta.index + 1], alpha, cos) - low);
+}
+
+// ---- brushed metal ------------------------------------------------------------------------------
+
+/// Width along the brush. @param across width across it
+RSV_INLINE float rsv_brushed_along(float across, float strength)
+{
+    return across + (1 - across) * strength * strength;
+}
+
+/// Of the azimuth of a direction, by the width that it sees. @param x, y widths, x >= y @param cos, sin of the azimuth
+RSV_INLINE rsv_table_place rsv_brushed_turn(float x, float y, float cos, float sin)
+{
+    float seen = sqrtf(x * x * cos * cos + y * y * sin * sin), share = 0;
+    if (x > y) share = f_max(seen - y, 0) / (x - y);
+    return rsv_table_place_at(sqrtf(share), RSV_BRUSHED_TURN);
 }
 
 #endif

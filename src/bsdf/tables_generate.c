@@ -15,6 +15,7 @@
 typedef struct albedos {
     double metal;
     double reflected[2][RSV_TABLE_ETA], transmitted[2][RSV_TABLE_ETA];
+    double facet[RSV_FACET_COS]; ///< by cosine with the facet
 } albedos;
 
 static float square(int k, int count)
@@ -28,6 +29,13 @@ static float eta_of(int side, int e)
 {
     float x = rsv_table_bend(e), eta = (1 + x) / (1 - x);
     return side ? 1 / eta : eta;
+}
+
+static void add_to_facets(albedos *sum, float cos, double amount)
+{
+    rsv_table_place at = rsv_facet_cos(cos);
+    sum->facet[at.index] += amount * (1 - (double)at.weight);
+    sum->facet[at.index + 1] += amount * (double)at.weight;
 }
 
 /// A facet that is seen from one direction.
@@ -60,6 +68,7 @@ static albedos integrate(float cos_o, float alpha)
         float up = 2 * v3_dot(wo, f.h) * f.h.z - wo.z;
         f.seen = up > 0 ? (double)rsv_ggx_visibility(wo.z, up, alpha) : 0;
         sum.metal += f.weight * f.seen;
+        add_to_facets(&sum, v3_dot(wo, f.h), f.weight * f.seen);
         for (int side = 0; side < 2; side++)
             for (int e = 0; e < RSV_TABLE_ETA; e++)
                 add_facet(&sum, &f, side, e);
@@ -70,6 +79,7 @@ static albedos integrate(float cos_o, float alpha)
 static albedos smooth(float cos_o)
 {
     albedos sum = { .metal = 1 };
+    add_to_facets(&sum, cos_o, 1);
     for (int side = 0; side < 2; side++) {
         for (int e = 0; e < RSV_TABLE_ETA; e++) {
             float cos_t, fresnel = rsv_fresnel_dielectric(cos_o, eta_of(side, e), &cos_t);
@@ -85,6 +95,8 @@ static void fill(rsv_bsdf_tables *t, int a, int c)
     float cos_o = f_max(square(c, RSV_TABLE_COS), 1e-5f);
     albedos seen = a ? integrate(cos_o, square(a, RSV_TABLE_ALPHA)) : smooth(cos_o);
     t->conductor_missing[a][c] = (float)(1 - seen.metal);
+    for (int k = 0; k < RSV_FACET_COS; k++)
+        t->facet[k][a][c] = (float)seen.facet[k];
     for (int e = 0; e < RSV_TABLE_ETA; e++) {
         t->reflected[e][a][c] = (float)seen.reflected[0][e];
         for (int side = 0; side < 2; side++)
@@ -183,6 +195,98 @@ static void fill_means(rsv_bsdf_tables *t, int a)
         t->missing_mean[0][e][a] = mean(t->missing[0][e][a]);
         t->missing_mean[1][e][a] = mean(t->missing[1][e][a]);
     }
+    for (int k = 0; k < RSV_FACET_COS; k++)
+        t->facet_mean[k][a] = mean(t->facet[k][a]);
+}
+
+/// Single scattering by white metal with two widths. @param phi azimuth of the direction seen, from the longer
+static double brushed_albedo(float x, float y, float cos_o, float phi)
+{
+    enum { AROUND = 64, AWAY = 64 };
+    float sin_o = sqrtf(1 - cos_o * cos_o);
+    rsv_vec3 wo = v3(sin_o * cosf(phi), sin_o * sinf(phi), cos_o);
+    double sum = 0;
+    for (int i = 0; i < AROUND * AWAY; i++) {
+        float u = ((float)(i % AROUND) + 0.5f) / AROUND, v = ((float)(i / AROUND) + 0.5f) / AWAY;
+        rsv_vec3 h = rsv_ggx_sample_visible_xy(wo, x, y, u, 1 - v * v * v);
+        rsv_vec3 wi = v3_sub(v3_scale(h, 2 * v3_dot(wo, h)), wo);
+        if (wi.z > 0) sum += 3 * (double)(v * v * rsv_ggx_visibility_xy(wo, wi, x, y));
+    }
+    return sum / (AROUND * AWAY);
+}
+
+/// 2 int f cos dcos over a quarter of all azimuths, of what is interpolated.
+static float brushed_mean(const rsv_brushed_rows rows, float x, float y)
+{
+    enum { TURNS = 64, STEPS = 128 };
+    double sum = 0, weight = 0;
+    for (int i = 0; i < TURNS * STEPS; i++) {
+        double phi = (i % TURNS + 0.5) / TURNS * 0.5 * (double)RSV_PI;
+        double root = (i / TURNS + 0.5) / STEPS, cubed = root * root * root;
+        rsv_table_place turn = rsv_brushed_turn(x, y, (float)cos(phi), (float)sin(phi));
+        rsv_table_place at = rsv_table_place_at((float)root, RSV_BRUSHED_COS);
+        double low = (double)rsv_table_line(rows[turn.index], at);
+        double high = (double)rsv_table_line(rows[turn.index + 1], at);
+        sum += cubed * (low + (double)turn.weight * (high - low));
+        weight += cubed;
+    }
+    return (float)(sum / weight);
+}
+
+static void fill_brushed(rsv_bsdf_tables *t, int a, int s)
+{
+    float y = f_max(square(a, RSV_BRUSHED_ALPHA), 1e-3f);
+    float x = rsv_brushed_along(y, (float)s / (RSV_BRUSHED_STRENGTH - 1));
+    for (int k = 0; k < RSV_BRUSHED_TURN * RSV_BRUSHED_COS; k++) {
+        int turn = k / RSV_BRUSHED_COS, c = k % RSV_BRUSHED_COS;
+        float seen = y + (x - y) * square(turn, RSV_BRUSHED_TURN);
+        float cos2 = x > y ? (seen * seen - y * y) / (x * x - y * y) : 0;
+        float phi = acosf(sqrtf(f_min(f_max(cos2, 0), 1)));
+        float cos_o = f_max(square(c, RSV_BRUSHED_COS), 1e-5f);
+        t->brushed_missing[a][s][turn][c] = (float)(1 - brushed_albedo(x, y, cos_o, phi));
+    }
+    t->brushed_missing_mean[a][s] = brushed_mean(t->brushed_missing[a][s], x, y);
+}
+
+/// A lobe of the sensitivities below, about `peak` nanometres and of other widths on its two sides.
+static double lobe(double nm, double peak, double below, double above)
+{
+    double x = (nm - peak) / (nm < peak ? below : above);
+    return exp(-0.5 * x * x);
+}
+
+/// Sensitivity of linear sRGB's channels, from the eye's (CIE 1931, in the form of Wyman, Sloan and Shirley 2013).
+static void sensitivity(double nm, double rgb[3])
+{
+    double x = 1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
+               0.065 * lobe(nm, 501.1, 20.4, 26.2);
+    double y = 0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1);
+    double z = 1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8);
+    rgb[0] = 3.2404542 * x - 1.5371385 * y - 0.4985314 * z;
+    rgb[1] = -0.9692660 * x + 1.8760108 * y + 0.0415560 * z;
+    rgb[2] = 0.0556434 * x - 0.2040259 * y + 1.0572252 * z;
+}
+
+static void fill_film(rsv_bsdf_tables *t)
+{
+    enum { FROM = 330, TO = 830 };
+    double whole[3] = { 0 }, rgb[3];
+    for (int nm = FROM; nm <= TO; nm++) {
+        sensitivity(nm, rgb);
+        for (int c = 0; c < 3; c++)
+            whole[c] += rgb[c];
+    }
+    for (int k = 0; k < RSV_FILM_STEPS; k++) {
+        double path = 1000 * k / (double)RSV_FILM_STEPS_PER_UM, sum[3] = { 0 };
+        for (int nm = FROM; nm <= TO; nm++) {
+            double cosine = cos(2 * (double)RSV_PI * path / nm);
+            sensitivity(nm, rgb);
+            for (int c = 0; c < 3; c++)
+                sum[c] += rgb[c] * cosine;
+        }
+        for (int c = 0; c < 3; c++)
+            t->film_cosine[k][c] = (float)(sum[c] / whole[c]);
+    }
 }
 
 /// Writes an array of `shape` (ending in 0) with its inner braces; returns what follows it.
@@ -209,6 +313,12 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
 {
     const int albedo_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, RSV_TABLE_COS, 0 };
     const int mean_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, 0 };
+    const int facet_shape[] = { RSV_FACET_COS, RSV_TABLE_ALPHA, RSV_TABLE_COS, 0 };
+    const int facet_mean_shape[] = { RSV_FACET_COS, RSV_TABLE_ALPHA, 0 };
+    const int brushed_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, RSV_BRUSHED_TURN,
+        RSV_BRUSHED_COS, 0 };
+    const int brushed_mean_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, 0 };
+    const int film_shape[] = { RSV_FILM_STEPS, 3, 0 };
     const int spread_shape[] = { 2, RSV_TABLE_ALPHA, RSV_SPREAD_COS, RSV_SPREAD_COS, 0 };
     fprintf(file, "#include \"bsdf/tables.h\"\n\nconst rsv_bsdf_tables rsv_bsdf_tables_data = {\n");
     print_table(file, "conductor_missing", t->conductor_missing[0], albedo_shape + 2);
@@ -219,6 +329,11 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     print_table(file, "missing_mean", t->missing_mean[0][0], mean_shape);
     print_table(file, "metal_spread", t->metal_spread[0][0], spread_shape + 1);
     print_table(file, "interface_spread", t->interface_spread[0][0][0], spread_shape);
+    print_table(file, "facet", t->facet[0][0], facet_shape);
+    print_table(file, "facet_mean", t->facet_mean[0], facet_mean_shape);
+    print_table(file, "film_cosine", t->film_cosine[0], film_shape);
+    print_table(file, "brushed_missing", t->brushed_missing[0][0][0], brushed_shape);
+    print_table(file, "brushed_missing_mean", t->brushed_missing_mean[0], brushed_mean_shape);
     fprintf(file, "};\n");
 }
 
@@ -236,6 +351,9 @@ int main(int argc, char **argv)
         fill_spreads(&t, a);
         fill_means(&t, a);
     }
+    fill_film(&t);
+    for (int k = 0; k < RSV_BRUSHED_ALPHA * RSV_BRUSHED_STRENGTH; k++)
+        fill_brushed(&t, k / RSV_BRUSHED_STRENGTH, k % RSV_BRUSHED_STRENGTH);
     print_tables(file, &t);
     return fclose(file) == 0 ? 0 : 1;
 }

@@ -25,6 +25,8 @@ RSV_INLINE rsv_rgb rsv_bsdf_exit_mean(const rsv_bsdf *bsdf)
 {
     if (!bsdf->coated) return rgb_gray(1);
     if (bsdf->layered) return rsv_bsdf_layered_exit_mean(bsdf);
+    if (bsdf->film.share > 0)
+        return rsv_one_minus(rsv_filmed_mean(bsdf, RSV_FILMED_COAT, bsdf->alpha_place));
     float reflected = bsdf->alpha == 0 ? bsdf->smooth_mean
                                        : rsv_table_mean(bsdf->tables->reflected_mean,
                                              bsdf->eta_place, bsdf->alpha_place);
@@ -54,6 +56,55 @@ RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
            rsv_same_layers(a, b) && rsv_rgb_equal(a->specular_tint, b->specular_tint);
 }
 
+/// Sets the widths of facets. Only metal's are brushed: all others take the geometric mean.
+RSV_INLINE void rsv_bsdf_set_brush(rsv_bsdf *bsdf, const rsv_material *m)
+{
+    bsdf->brushed = m->anisotropy > 0 && m->metallic > 0;
+    if (!(m->anisotropy > 0)) return;
+    bsdf->brush_across = f_max(m->roughness * m->roughness, RSV_SMOOTH_ALPHA);
+    bsdf->brush_along = rsv_brushed_along(bsdf->brush_across, m->anisotropy);
+    bsdf->brush_alpha = rsv_table_place_at(sqrtf(bsdf->brush_across), RSV_BRUSHED_ALPHA);
+    bsdf->brush_strength = rsv_table_place_at(m->anisotropy, RSV_BRUSHED_STRENGTH);
+    bsdf->alpha = sqrtf(bsdf->brush_across * bsdf->brush_along);
+}
+
+/// Whether facets under a film reflect alike.
+RSV_INLINE bool rsv_same_film(const rsv_bsdf *a, const rsv_bsdf *b)
+{
+    return a->film.share == b->film.share && a->film.ior == b->film.ior &&
+           a->film.thickness == b->film.thickness && a->metallic == b->metallic &&
+           rsv_rgb_equal(a->specular_tint, b->specular_tint) &&
+           (a->metallic == 0 || rsv_rgb_equal(a->base_color, b->base_color));
+}
+
+/// What the film is to a body of that roughness. Tables of what bodies scatter again are those of bare ones, from which films
+/// take up to 1 %: on frosted glass they fade away, and no light is gained.
+RSV_INLINE float rsv_film_share(const rsv_bsdf *bsdf, float share)
+{
+    const float full = 0.05f, none = 0.25f;
+    if (bsdf->straight) return 0;
+    return bsdf->solid ? share * f_min(f_max((none - bsdf->alpha) / (none - full), 0), 1) : share;
+}
+
+/// Sets the film of a surface whose interface is known. @param like what the surface was made from
+RSV_INLINE void rsv_bsdf_set_film(rsv_bsdf *bsdf, const rsv_bsdf *like, const rsv_material *m)
+{
+    float micrometres = f_min(m->iridescence_thickness_max, 1e9f) / 1000;
+    rsv_thin_film film = { rsv_film_share(bsdf, m->iridescence),
+        f_min(m->iridescence_ior, RSV_MOST_IOR), micrometres };
+    if (!(micrometres > 0)) film.share = 0;
+    bsdf->film = film;
+    if (film.share == 0 || rsv_same_film(bsdf, like)) return;
+    RSV_ROLLED
+    for (int k = 0; k < RSV_FACET_COS; k++) {
+        float cos = (float)k / (RSV_FACET_COS - 1);
+        if (bsdf->metallic > 0)
+            bsdf->filmed[RSV_FILMED_METAL][k] = rsv_bsdf_filmed(bsdf, RSV_FILMED_METAL, cos);
+        if (bsdf->metallic < 1)
+            bsdf->filmed[RSV_FILMED_COAT][k] = rsv_bsdf_filmed(bsdf, RSV_FILMED_COAT, cos);
+    }
+}
+
 /// Below this nothing gets in or out.
 #define RSV_LEAST_EXIT 1e-6f
 
@@ -79,8 +130,11 @@ RSV_INLINE bool rsv_bsdf_vary_unbalanced(const rsv_bsdf *bsdf, const rsv_materia
     varied.passed = bsdf->solid ? 0 : under * m->diffuse_transmission;
     varied.diffuse = under - varied.passed;
     varied.alpha = rsv_microsurface_width(m->roughness);
+    rsv_bsdf_set_brush(&varied, m);
     rsv_bsdf_set_layers(&varied, m);
-    bool coat = varied.ior > 1 && !rgb_is_black(varied.specular_tint);
+    rsv_bsdf_set_film(&varied, bsdf, m);
+    bool bends_at_coat = varied.ior > 1 || varied.film.share > 0;
+    bool coat = bends_at_coat && !rgb_is_black(varied.specular_tint);
     varied.coated = coat || varied.layered;
     bool bends = coat || (m->transmission > 0 && !varied.straight);
     if (!bends && m->metallic == 0) varied.alpha = 0;

@@ -43,8 +43,8 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
             rsv_point_width(s, p)));
     r->medium = rsv_medium_above(&s->scene.media, r->at.origin, r->at.point.geometric);
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
-    r->entrance.coat = rsv_surface_bsdf(
-        s->scene.view, s->bsdf, (rsv_footprint){ triangle, p->u, p->v, 0 }, &r->storage);
+    r->entrance.coat = rsv_surface_bsdf(s->scene.view, s->bsdf,
+        (rsv_footprint){ triangle, p->u, p->v, 0, RSV_CHANNEL_ALL }, &r->storage);
     v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 

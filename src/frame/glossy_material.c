@@ -12,8 +12,7 @@
 
 static rsv_rgb metal_albedo(const rsv_bsdf *b, float cos)
 {
-    float grazing = 1 - f_min(f_max(cos, 0), 1), g2 = grazing * grazing, g5 = g2 * g2 * grazing;
-    rsv_rgb once = rgb_mad(rgb_scale(b->base_color, 1 - g5), g5, rgb_gray(1));
+    rsv_rgb once = rsv_bsdf_metal(b, f_min(f_max(cos, 0), 1));
     if (b->alpha == 0) return once;
     float missing = rsv_bsdf_missing(b, false, 0, cos);
     return rgb_mad(rgb_scale(once, 1 - missing), missing, rsv_bsdf_metal_again(b));
@@ -29,7 +28,7 @@ rsv_rgb rsv_glossy_albedo(const rsv_bsdf *b, float cos)
     rsv_rgb sum = rgb_gray(0);
     if (b->metallic > 0) sum = rgb_mad(sum, b->metallic, metal_albedo(b, cos));
     if (b->coated && b->metallic < 1)
-        sum = rgb_mad(sum, (1 - b->metallic) * rsv_bsdf_interface_albedo(b, cos), b->specular_tint);
+        sum = rgb_mad(sum, 1 - b->metallic, rsv_bsdf_coat_albedo(b, cos));
     if (b->transmission > 0) sum = rgb_mad(sum, (1 - b->metallic) * b->transmission, rgb_gray(1));
     if (b->passed > 0) sum = rgb_mad(sum, b->passed, b->passed_color);
     if (!b->layered) return at_least(sum);

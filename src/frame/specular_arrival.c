@@ -21,6 +21,7 @@ rsv_specular_path rsv_specular_of_lane(
                                    v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
         .weight = rsv_lane_color(c->weight, k),
         .medium = q->media->medium[c->medium[k]],
+        .channel = RSV_CHANNEL_ALL, // a frame has too few samples to tell colours apart
         .start_ior = c->start_ior[k],
         .settled = c->settled[k],
         .events = c->events[k],

@@ -13,7 +13,8 @@ enum { NO_BODY = RSV_MEDIA_BODIES, BODY_LEFT_OUT };
 static bool is_smooth(const rsv_transport_scene *scene, uint32_t material)
 {
     const rsv_bsdf *b = &scene->bsdf[material];
-    bool ideal = !b->lambert && !b->rough && b->alpha == 0 && b->diffuse == 0 && !b->layered;
+    bool ideal = !b->lambert && !b->rough && b->alpha == 0 && b->diffuse == 0 && !b->layered &&
+                 b->film.share == 0;
     bool covers = b->opacity >= 1 && (b->double_sided || b->transmission > 0);
     return ideal && covers && !b->emissive && !b->unlit && !scene->view->material_varies[material];
 }

@@ -210,6 +210,7 @@ RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
     rsv_gpu_traveller t;
     rsv_vec3 direction = rsv_frame_camera_ray(a, pixel).direction;
     t.path = rsv_specular_begin(&a->stage->transport, &eye->medium, direction, hit);
+    t.path.channel = RSV_CHANNEL_ALL; // a frame has too few samples to tell colours apart
     rsv_specular_set_spread(&t.path, eye->spread, hit.t);
     t.departure.pdf_solid_angle = t.departure.sky_pdf = 0;
     t.departure.shot = t.missed = false;

@@ -379,7 +379,8 @@ void convert_textures(owned_document &document)
         // a PNG or JPEG beside it is for those who read no WebP
         const int plain = reference(source, "source");
         rsv_gltf_texture texture{ reference(extension(source, "EXT_texture_webp"), "source", plain),
-            RSV_WRAP_REPEAT, RSV_WRAP_REPEAT, false };
+            reference(extension(source, "KHR_texture_basisu"), "source"), RSV_WRAP_REPEAT,
+            RSV_WRAP_REPEAT, false };
         const size_t index = static_cast<size_t>(reference(source, "sampler"));
         if (index < samplers.size()) {
             texture.wrap_u = wrap_mode(reference(samplers[index], "wrapS"));

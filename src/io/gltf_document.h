@@ -189,6 +189,7 @@ typedef struct rsv_gltf_image {
 
 typedef struct rsv_gltf_texture {
     int image;
+    int ktx; ///< image that KHR_texture_basisu has for it, to be taken before `image` if it can be read; < 0 = none
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
 } rsv_gltf_texture;

@@ -305,7 +305,7 @@ void check_required_extensions(const json &root)
         "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
         "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
         "KHR_materials_volume_scatter", "KHR_mesh_quantization", "KHR_node_visibility",
-        "KHR_texture_transform", "KHR_xmp_json_ld" };
+        "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp_json_ld" };
     for (const json &entry : list(root, "extensionsRequired")) {
         if (!entry.is_string()) continue; // find_unread() tells
         const std::string name = entry.get<std::string>();

@@ -171,6 +171,10 @@ void convert_extensions(const json &source, owned_material &to)
     }
     for (const factor &f : factors)
         add_texture(to, f.role, f.srgb, use_of(extension(source, f.extension), f.key));
+    add_texture(to, RSV_TEXTURE_IRIDESCENCE_THICKNESS, false,
+        use_of(extension(source, "KHR_materials_iridescence"), "iridescenceThicknessTexture"));
+    add_texture(to, RSV_TEXTURE_ANISOTROPY, false,
+        use_of(extension(source, "KHR_materials_anisotropy"), "anisotropyTexture"));
     float &ior = to.material.value.ior;
     if (ior == 0) ior = 1e3f; // stands for total reflection
     if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())

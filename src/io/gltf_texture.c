@@ -35,15 +35,15 @@ static const char *find_bytes(
     return NULL;
 }
 
-static rsv_status add_texture(
-    texture_loader *loader, const rsv_gltf_texture *texture, int use, uint32_t *id)
+static rsv_status add_image(
+    texture_loader *loader, const rsv_gltf_texture *texture, int index, int use, uint32_t *id)
 {
     const rsv_gltf_document *document = loader->document;
-    if ((size_t)texture->image >= document->image_count)
-        return rsv_fail(RSV_ERROR_FORMAT,
-            "it has no PNG or JPEG image, and no WebP (other formats need extensions that are not "
-            "supported)");
-    const rsv_gltf_image *image = &document->image[texture->image];
+    if ((size_t)index >= document->image_count)
+        return rsv_fail(RSV_ERROR_FORMAT, "it has no PNG or JPEG image, and no WebP or KTX2 (other "
+                                          "formats need extensions that are "
+                                          "not supported)");
+    const rsv_gltf_image *image = &document->image[index];
     rsv_texture_source source = { .srgb = use != LINEAR,
         .shines = use == EMISSION,
         .wrap_u = texture->wrap_u,
@@ -53,6 +53,18 @@ static rsv_status add_texture(
     if (problem)
         return rsv_fail(RSV_ERROR_FORMAT, "cannot read image '%s': %s", image->name, problem);
     return rsv_texture_load(loader->scene, &source, id);
+}
+
+/// The picture of KTX2 if it can be read, else the one for those who read none.
+static rsv_status add_texture(
+    texture_loader *loader, const rsv_gltf_texture *texture, int use, uint32_t *id)
+{
+    if (texture->ktx < 0) return add_image(loader, texture, texture->image, use, id);
+    rsv_status status = add_image(loader, texture, texture->ktx, use, id);
+    if (status == RSV_OK || status == RSV_ERROR_MEMORY || texture->image < 0) return status;
+    rsv_log(loader->context, RSV_LOG_INFO, "%s; the picture for readers without KTX2 is used",
+        rsv_last_error());
+    return add_image(loader, texture, texture->image, use, id);
 }
 
 /// The scene's id of a texture; UNUSABLE after a warning. Fails where memory runs out only.

@@ -64,6 +64,10 @@ constexpr property pbr_members[] = { { "baseColorFactor", 'N' },
     { "roughnessFactor", 'n' }, { "metallicRoughnessTexture", 'o', &texture_use } };
 constexpr schema pbr = { "pbrMetallicRoughness", "pbrMetallicRoughness", false, pbr_members, {} };
 
+constexpr property anisotropy_members[] = { { "anisotropyStrength", 'n' },
+    { "anisotropyRotation", 'n' }, { "anisotropyTexture", 'o', &texture_use } };
+constexpr schema anisotropy = { "anisotropy", "anisotropies", false, anisotropy_members, {} };
+
 constexpr property clearcoat_members[] = { { "clearcoatFactor", 'n' },
     { "clearcoatTexture", 'o', &texture_use }, { "clearcoatRoughnessFactor", 'n' },
     { "clearcoatRoughnessTexture", 'o', &texture_use },
@@ -76,9 +80,18 @@ constexpr property diffuse_members[] = { { "diffuseTransmissionFactor", 'n' },
 constexpr schema diffuse = { "diffuse transmission", "diffuse transmissions", false,
     diffuse_members, {} };
 
+constexpr property dispersion_members[] = { { "dispersion", 'n' } };
+constexpr schema dispersion = { "dispersion", "dispersions", false, dispersion_members, {} };
+
 constexpr property strength_members[] = { { "emissiveStrength", 'n' } };
 constexpr schema strength = { "emissive strength", "emissive strengths", false, strength_members,
     {} };
+
+constexpr property iridescence_members[] = { { "iridescenceFactor", 'n' },
+    { "iridescenceTexture", 'o', &texture_use }, { "iridescenceIor", 'n' },
+    { "iridescenceThicknessMinimum", 'n' }, { "iridescenceThicknessMaximum", 'n' },
+    { "iridescenceThicknessTexture", 'o', &texture_use } };
+constexpr schema iridescence = { "iridescence", "iridescences", false, iridescence_members, {} };
 
 constexpr property ior_members[] = { { "ior", 'n' } };
 constexpr schema ior = { "index of refraction", "indices of refraction", false, ior_members, {} };
@@ -121,9 +134,12 @@ constexpr property material_members[] = { { "name", 's' }, { "pbrMetallicRoughne
     { "normalTexture", 'o', &texture_use }, { "occlusionTexture", 'o', &texture_use },
     { "emissiveTexture", 'o', &texture_use }, { "emissiveFactor", 'N' }, { "alphaMode", 's' },
     { "alphaCutoff", 'n' }, { "doubleSided", 'b' } };
-constexpr property material_extensions[] = { { "KHR_materials_clearcoat", 'o', &clearcoat },
+constexpr property material_extensions[] = { { "KHR_materials_anisotropy", 'o', &anisotropy },
+    { "KHR_materials_clearcoat", 'o', &clearcoat },
     { "KHR_materials_diffuse_transmission", 'o', &diffuse },
+    { "KHR_materials_dispersion", 'o', &dispersion },
     { "KHR_materials_emissive_strength", 'o', &strength }, { "KHR_materials_ior", 'o', &ior },
+    { "KHR_materials_iridescence", 'o', &iridescence },
     { "KHR_materials_pbrSpecularGlossiness", 'o', &glossiness },
     { "KHR_materials_scatter", 'o', &scatter },
     { "KHR_materials_volume_scatter", 'o', &former_scatter },
@@ -137,7 +153,10 @@ constexpr property texture_members[] = { { "name", 's' }, { "sampler", 'i' }, { 
 constexpr property webp_members[] = { { "source", 'i' } };
 constexpr schema webp = { "WebP texture", "WebP textures", false, webp_members, {} };
 
-constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp } };
+constexpr schema basisu = { "KTX2 texture", "KTX2 textures", false, webp_members, {} };
+
+constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp },
+    { "KHR_texture_basisu", 'o', &basisu } };
 constexpr schema texture = { "texture", "textures", true, texture_members, texture_extensions };
 
 constexpr property image_members[] = { { "name", 's' }, { "uri", 's' }, { "mimeType", 's' },

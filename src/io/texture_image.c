@@ -1,6 +1,7 @@
 #include "texture_image.h"
 
 #include "../core/srgb.h"
+#include "image_ktx.h"
 
 #include <math.h>
 #include <string.h>
@@ -158,11 +159,46 @@ cleanup:
     return status;
 }
 
+// ---- KTX2 -------------------------------------------------------------------------------------------
+
+/// What a texture's values are in linear light, in place.
+static void make_linear(const rsv_texture_source *source, rsv_ktx_picture *p)
+{
+    size_t count = (size_t)p->width * p->height * p->channel_count;
+    for (size_t i = 0; i < count; i++) {
+        bool is_alpha = p->channel_count == 4 && i % 4 == 3;
+        float value = cut_off(p->values[i], source->shines && !is_alpha);
+        bool curved = p->are_codes && source->srgb && !is_alpha;
+        p->values[i] = curved ? (float)rsv_srgb_decode((double)value) : value;
+    }
+}
+
+static rsv_status load_ktx(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id)
+{
+    rsv_status status;
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_ktx_picture p;
+    RSV_TRY(rsv_ktx_decode(context, &source->file, &p));
+    if (needs_alpha(source, p.channel_count))
+        RSV_TRY(rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "cannot read '%s': opacity needs a KTX2 picture with alpha", source->file.path));
+    rsv_texture_desc desc = describe(source, p.width, p.height, p.channel_count);
+    if (p.values) make_linear(source, &p);
+    desc.codes = p.codes;
+    desc.values = p.values;
+    desc.srgb = source->srgb && p.codes;
+    RSV_TRY(rsv_scene_add_texture(scene, &desc, id));
+cleanup:
+    rsv_ktx_free(context, &p);
+    return status;
+}
+
 rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id)
 {
     const rsv_image_file *file = &source->file;
     if (file->size == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", file->path);
+    if (rsv_image_is_ktx(file)) return load_ktx(scene, source, id);
     if (is_exr(file) || is_hdr(file)) return load_radiance(scene, source, id);
     if (rsv_image_is_16_bit(file)) return load_codes16(scene, source, id);
     return load_codes(scene, source, id);

@@ -15,7 +15,7 @@ typedef struct rsv_texture_source {
     rsv_wrap wrap_u, wrap_v;
 } rsv_texture_source;
 
-/// Decodes PNG (8 and 16 bits), JPEG, WebP, HDR and EXR, by their first bytes, and adds a texture. RSV_ERROR_FORMAT, naming the file,
+/// Decodes PNG (8 and 16 bits), JPEG, WebP, KTX2, HDR and EXR, by their first bytes, and adds a texture. RSV_ERROR_FORMAT, naming the file,
 /// for what cannot be read. @param id out
 rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id);
 

@@ -30,6 +30,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->medium = *medium;
     path->start_ior = rsv_medium_ior(medium, tracer->bsdf);
     path->settled = false;
+    path->channel = RSV_CHANNEL_OPEN;
     path->bounces = path->diffuse_events = 0;
     path->pdf_solid_angle = path->passed = 0;
     path->light = light;
@@ -135,6 +136,26 @@ static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, const float u
     return sample;
 }
 
+/// Has the surface of a body that disperses light scatter one channel: the path's, or any.
+static void disperse(rsv_light_path *path, rsv_path_surface *s)
+{
+    s->channel = path->channel;
+    if (!rsv_bsdf_disperses(s->bsdf)) return;
+    if (s->channel == RSV_CHANNEL_OPEN)
+        s->channel = (rsv_channel)(RSV_CHANNEL_RED +
+                                   (int)f_min(3 * rsv_random_float(&path->numbers.random), 2));
+    s->own = rsv_bsdf_in_channel(s->bsdf, s->channel);
+    s->bsdf = &s->own;
+}
+
+/// Light that has gone through such a surface is of its channel.
+static void take_channel(rsv_light_path *path, const rsv_path_surface *s)
+{
+    if (path->channel != RSV_CHANNEL_OPEN || !rsv_bsdf_disperses(s->bsdf)) return;
+    path->channel = s->channel;
+    path->throughput = rgb_mul(path->throughput, rsv_channel_weight(s->channel));
+}
+
 /// Gathers the sources and turns the path into a new direction; false where it ends.
 static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
 {
@@ -148,6 +169,7 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
         return scatter_below(path, s, sample.weight);
     bool transmitted = sample.lobe == RSV_LOBE_TRANSMIT;
+    if (transmitted) take_channel(path, s);
     if (!rsv_path_surface_leads(s, transmitted, sample.direction)) return false;
     path->throughput = rgb_mul(path->throughput, sample.weight);
     if (rgb_is_black(path->throughput)) return false;
@@ -213,6 +235,7 @@ static void follow(rsv_light_path *path)
             if (!survives_roulette(path)) return;
             continue;
         }
+        disperse(path, &s);
         if (!scatter(path, &s) || !survives_roulette(path)) return;
     }
 }

@@ -20,11 +20,12 @@ typedef struct rsv_light_path {
     const rsv_path_tracer *tracer;
     rsv_path_numbers numbers;
     rsv_ray ray;
-    rsv_vec3 departure; ///< point of the surface that the ray left
-    rsv_rgb throughput; ///< of basic radiance (surface/medium.h)
-    rsv_medium medium;  ///< that the ray runs through
-    float start_ior;    ///< of the medium that the path started in
-    bool settled;       ///< has met the surface of a body, and so knows where it started
+    rsv_vec3 departure;  ///< point of the surface that the ray left
+    rsv_rgb throughput;  ///< of basic radiance (surface/medium.h)
+    rsv_medium medium;   ///< that the ray runs through
+    rsv_channel channel; ///< of its light, once a body has dispersed it
+    float start_ior;     ///< of the medium that the path started in
+    bool settled;        ///< has met the surface of a body, and so knows where it started
     rsv_vec3 sight;     ///< direction of the camera's ray; 0 = there is none
     uint32_t bounces, diffuse_events;
     /// With which the last surface chose the ray; 0 = next-event estimation could not have found

@@ -35,8 +35,8 @@ void rsv_path_surface_meet(
     const rsv_scene_view *scene = tracer->scene;
     rsv_surface_point point =
         rsv_surface_point_seen(scene, hit->triangle, hit->u, hit->v, false, 0);
-    s->bsdf = rsv_surface_bsdf(
-        scene, tracer->bsdf, (rsv_footprint){ hit->triangle, hit->u, hit->v, 0 }, &s->own);
+    s->bsdf = rsv_surface_bsdf(scene, tracer->bsdf,
+        (rsv_footprint){ hit->triangle, hit->u, hit->v, 0, RSV_CHANNEL_ALL }, &s->own);
     s->point = point.position;
     s->wo = v3_neg(v3_normalize(ray->direction));
     s->extent = point.extent;

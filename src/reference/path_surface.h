@@ -18,6 +18,7 @@ typedef struct rsv_path_surface {
     rsv_vec3 horizon, rise;
     float extent; ///< for rsv_offset_origin
     uint32_t triangle, material;
+    rsv_channel channel; ///< that scatters here, of a body that disperses light
     float u, v;
     bool front;
     /// Of a translucent body: light that leaves here diffusely entered elsewhere, or has just been followed to

@@ -21,8 +21,8 @@ static rsv_status create_bsdfs(rsv_path_tracer *tracer)
 /// polish. What goes straight through thin sheets is found.
 static bool mirrors(const rsv_bsdf *b)
 {
-    bool polished =
-        b->metallic > 0 || b->transmission > 0 || (b->ior > 1 && !rgb_is_black(b->specular_tint));
+    bool polished = b->metallic > 0 || b->transmission > 0 ||
+                    ((b->ior > 1 || b->film.share > 0) && !rgb_is_black(b->specular_tint));
     if (b->lambert || b->unlit) return false;
     return (polished && b->alpha == 0) || (b->clearcoat > 0 && b->clearcoat_alpha == 0);
 }

@@ -96,8 +96,11 @@ static rsv_status find_varying_materials(rsv_scene *scene)
 {
     scene->material_varies = rsv_alloc(scene->context, scene->material_count, 1);
     if (!scene->material_varies) return RSV_ERROR_MEMORY;
-    for (size_t m = 0; m < scene->material_count; m++)
+    for (size_t m = 0; m < scene->material_count; m++) {
         if (scene->material[m].texture_count) scene->material_varies[m] = RSV_VARIES_BY_TEXTURE;
+        if (scene->material[m].anisotropy > 0 && scene->material[m].metallic > 0)
+            scene->material_varies[m] |= RSV_VARIES_BY_TANGENT;
+    }
     for (size_t t = 0; scene->color && t < scene->triangle_count; t++) {
         uint8_t *varies = &scene->material_varies[scene->triangle_material[t]];
         for (int k = 0; k < 3; k++) {

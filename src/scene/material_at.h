@@ -13,6 +13,7 @@
 #define RSV_VARIES_BY_TEXTURE 1
 #define RSV_VARIES_BY_COLOR 2   ///< of vertices
 #define RSV_VARIES_BY_OPACITY 4 ///< of vertices
+#define RSV_VARIES_BY_TANGENT 8 ///< anisotropic
 
 /// The material of a triangle with its textures and the colours of its vertices multiplied in.
 RSV_SHARED rsv_material rsv_material_at(
@@ -60,6 +61,22 @@ RSV_SHARED float rsv_left_of_cut_out(
 /// there is no map.
 RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
+
+/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, or set 0 as it stands.
+RSV_INLINE rsv_texture_ref rsv_tangent_ref(const rsv_material *m)
+{
+    rsv_texture_ref ref = { RSV_TEXTURE_NORMAL, 0, 0, { { 1, 0, 0 }, { 0, 1, 0 } }, 1 };
+    for (size_t i = 0; i < m->texture_count; i++) {
+        if (m->textures[i].role == RSV_TEXTURE_ANISOTROPY) ref = m->textures[i];
+        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return m->textures[i];
+    }
+    return ref;
+}
+
+/// Where highlights of metal are stretched to: the tangent there, turned by `rotation` radians; unit, or zero if texture
+/// coordinates and tangents tell none.
+RSV_SHARED rsv_vec3 rsv_brush_direction(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float rotation);
 
 #if defined(RSV_DEVICE_CODE)
 #include "material_at_body.h"

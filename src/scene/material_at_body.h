@@ -33,9 +33,9 @@ RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_textu
         texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
 }
 
-#define RSV_TIMES_r(value) ((value) * texel.r)
-#define RSV_TIMES_g(value) ((value) * texel.g)
-#define RSV_TIMES_a(value) ((value) * texel.a)
+#define RSV_TIMES_r(value) ((value)*texel.r)
+#define RSV_TIMES_g(value) ((value)*texel.g)
+#define RSV_TIMES_a(value) ((value)*texel.a)
 #define RSV_TIMES_rgb(value) rgb_mul(value, color)
 
 RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)
@@ -51,6 +51,15 @@ RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rs
     case RSV_TEXTURE_METALLIC_ROUGHNESS:
         m->metallic *= texel.b;
         m->roughness *= texel.g;
+        break;
+    case RSV_TEXTURE_IRIDESCENCE_THICKNESS:
+        m->iridescence_thickness_max =
+            m->iridescence_thickness_min +
+            texel.g * (m->iridescence_thickness_max - m->iridescence_thickness_min);
+        break;
+    case RSV_TEXTURE_ANISOTROPY:
+        m->anisotropy *= texel.b;
+        m->anisotropy_rotation += atan2f(2 * texel.g - 1, 2 * texel.r - 1);
         break;
     case RSV_TEXTURE_EMISSION:
         m->emission = rgb_mul(m->emission, color);
@@ -176,6 +185,22 @@ RSV_INLINE bool rsv_derived_tangent(const rsv_scene_view *scene, const rsv_textu
     return size > 0 && isfinite(size);
 }
 
+/// A tangent of the triangle at right angles to a normal, and the bitangent; false if there is none.
+/// @param at u and v on the triangle @param frame in: [0] the normal, unit; out: tangent and bitangent
+RSV_INLINE bool rsv_tangent_frame(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    const uint32_t *corner, const float at[2], rsv_vec3 frame[2])
+{
+    rsv_vec3 tangent, normal = frame[0];
+    float hand;
+    if (!rsv_vertex_tangent(scene, corner, at[0], at[1], &tangent, &hand) &&
+        !rsv_derived_tangent(scene, ref, corner, &tangent, &hand))
+        return false;
+    tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
+    frame[0] = v3_normalize(v3_mad(tangent, -v3_dot(tangent, normal), normal));
+    frame[1] = v3_scale(v3_cross(normal, frame[0]), hand);
+    return true;
+}
+
 RSV_INLINE const rsv_texture_ref *rsv_find_normal_map(const rsv_material *m)
 {
     for (size_t i = 0; i < m->texture_count; i++)
@@ -189,18 +214,28 @@ RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_texture_ref *ref =
         rsv_find_normal_map(&scene->material[scene->triangle_material[triangle]]);
     const uint32_t *corner = scene->triangle[triangle];
-    rsv_vec3 tangent;
-    float hand;
-    if (!ref || (!rsv_vertex_tangent(scene, corner, u, v, &tangent, &hand) &&
-                    !rsv_derived_tangent(scene, ref, corner, &tangent, &hand)))
-        return normal;
-    tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
-    tangent = v3_normalize(v3_mad(tangent, -v3_dot(tangent, normal), normal));
-    rsv_vec3 bitangent = v3_scale(v3_cross(normal, tangent), hand);
+    rsv_vec3 frame[2] = { normal };
+    const float at[2] = { u, v };
+    if (!ref || !rsv_tangent_frame(scene, ref, corner, at, frame)) return normal;
     rsv_texel texel = rsv_texture_at(scene, ref, triangle, u, v, width);
     float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
-    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, tangent), y, bitangent);
+    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, frame[0]), y, frame[1]);
     return v3_length(mapped) > 0 ? v3_normalize(mapped) : normal;
+}
+
+// ---- brushed metal ------------------------------------------------------------------------------
+
+RSV_SHARED rsv_vec3 rsv_brush_direction(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float rotation)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_texture_ref ref = rsv_tangent_ref(&scene->material[scene->triangle_material[triangle]]);
+    const rsv_vec3 *normal = scene->normal;
+    const float at[2] = { u, v };
+    rsv_vec3 frame[2] = { v3_normalize(
+        v3_barycentric(normal[corner[0]], normal[corner[1]], normal[corner[2]], u, v)) };
+    if (!rsv_tangent_frame(scene, &ref, corner, at, frame)) return v3(0, 0, 0);
+    return v3_mad(v3_scale(frame[0], cosf(rotation)), sinf(rotation), frame[1]);
 }
 
 #endif

@@ -32,6 +32,17 @@
     NUMBER(diffuse_transmission_color, 3, 1, 0, 1, "KHR_materials_diffuse_transmission",           \
         "diffuseTransmissionColorFactor")                                                          \
     NUMBER(scatter_distance, 3, 0, 0, RSV_MOST_OF_MATERIAL, RSV_IN_EXTRAS, "scatter_distance")     \
+    NUMBER(iridescence, 1, 0, 0, 1, "KHR_materials_iridescence", "iridescenceFactor")              \
+    NUMBER(iridescence_ior, 1, 1.3f, 1, RSV_MOST_OF_MATERIAL, "KHR_materials_iridescence",         \
+        "iridescenceIor")                                                                          \
+    NUMBER(iridescence_thickness_min, 1, 100, 0, RSV_MOST_OF_MATERIAL,                             \
+        "KHR_materials_iridescence", "iridescenceThicknessMinimum")                                \
+    NUMBER(iridescence_thickness_max, 1, 400, 0, RSV_MOST_OF_MATERIAL,                             \
+        "KHR_materials_iridescence", "iridescenceThicknessMaximum")                                \
+    NUMBER(anisotropy, 1, 0, 0, 1, "KHR_materials_anisotropy", "anisotropyStrength")               \
+    NUMBER(anisotropy_rotation, 1, 0, -RSV_MOST_OF_MATERIAL, RSV_MOST_OF_MATERIAL,                 \
+        "KHR_materials_anisotropy", "anisotropyRotation")                                          \
+    NUMBER(dispersion, 1, 0, 0, RSV_MOST_OF_MATERIAL, "KHR_materials_dispersion", "dispersion")    \
     NUMBER(opacity, 1, 1, 0, 1, NULL, NULL)                                                        \
     NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)                                \
     NUMBER(camera_emission, 1, 1, 0, 1, RSV_IN_EXTRAS, "camera_emission")
@@ -53,7 +64,8 @@
     TEXTURE(DIFFUSE_TRANSMISSION, diffuse_transmission, a, false,                                  \
         "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture")                        \
     TEXTURE(DIFFUSE_TRANSMISSION_COLOR, diffuse_transmission_color, rgb, true,                     \
-        "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture")
+        "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture")                   \
+    TEXTURE(IRIDESCENCE, iridescence, r, false, "KHR_materials_iridescence", "iridescenceTexture")
 
 /// Products of a few such values stay finite in double.
 #define RSV_MOST_OF_MATERIAL 1e30f

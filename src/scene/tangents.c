@@ -1,6 +1,7 @@
-/// Tangents for normal maps, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean, weighted by
+/// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean, weighted by
 /// angle, of the directions in which u increases on the triangles around it.
 #include "../core/vec.h"
+#include "material_at.h"
 #include "scene.h"
 
 /// Hand of a vertex whose triangles disagree: the texture is mirrored there.
@@ -61,25 +62,26 @@ static void finish_tangent(float tangent[4])
     tangent[0] = t.x, tangent[1] = t.y, tangent[2] = t.z;
 }
 
-static const rsv_texture_ref *find_normal_map(const rsv_material *material)
+static bool asks_for_tangents(const rsv_material *material)
 {
     for (size_t i = 0; i < material->texture_count; i++)
-        if (material->textures[i].role == RSV_TEXTURE_NORMAL) return &material->textures[i];
-    return NULL;
+        if (material->textures[i].role == RSV_TEXTURE_NORMAL) return true;
+    return material->anisotropy > 0;
 }
 
 rsv_status rsv_mesh_create_tangents(
     rsv_context *context, const rsv_material *material, rsv_mesh *mesh)
 {
-    const rsv_texture_ref *ref = find_normal_map(material);
-    if (!ref || mesh->tangent || !mesh->normal || !mesh->uv[ref->uv_set]) return RSV_OK;
+    const rsv_texture_ref ref = rsv_tangent_ref(material);
+    if (!asks_for_tangents(material) || mesh->tangent || !mesh->normal || !mesh->uv[ref.uv_set])
+        return RSV_OK;
     mesh->tangent = rsv_alloc(context, mesh->vertex_count, sizeof *mesh->tangent);
     if (!mesh->tangent) return RSV_ERROR_MEMORY;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *corner = &mesh->index[3 * t];
         rsv_vec3 tangent;
         float hand;
-        if (!triangle_tangent(mesh, ref, corner, &tangent, &hand)) continue;
+        if (!triangle_tangent(mesh, &ref, corner, &tangent, &hand)) continue;
         for (int k = 0; k < 3; k++)
             add_tangent(mesh, corner[k], tangent, hand, angle_at(mesh, corner, k));
     }

@@ -37,7 +37,8 @@ static rsv_rgb mean_albedo(
         rsv_bsdf storage;
         uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
         const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(scene->view, scene->bsdf,
-            (rsv_footprint){ triangle, sample[k].u, sample[k].v, width }, &storage);
+            (rsv_footprint){ triangle, sample[k].u, sample[k].v, width, RSV_CHANNEL_ALL },
+            &storage);
         rsv_rgb scale = bsdf->entry_scale, left = rgb(1 / scale.r, 1 / scale.g, 1 / scale.b);
         float share = bsdf->diffuse * bsdf->opacity *
                       rsv_left_of_cut_out(scene->view, triangle, sample[k].u, sample[k].v, width);

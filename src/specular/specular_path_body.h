@@ -8,7 +8,8 @@
 RSV_SHARED const rsv_bsdf *rsv_specular_bsdf(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_bsdf *storage)
 {
-    rsv_footprint at = { path->triangle, path->u, path->v, path->width };
+    rsv_footprint at = { path->triangle, path->u, path->v, path->width,
+        rsv_specular_channel(scene, path) };
     return rsv_surface_bsdf(scene->view, scene->bsdf, at, storage);
 }
 

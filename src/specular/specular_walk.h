@@ -7,6 +7,8 @@
 #include "../trace/offset.h"
 #include "resolvent/trace.h"
 
+#include <string.h>
+
 /// Everything a specular path needs to know of the scene.
 typedef struct rsv_transport_scene {
     const rsv_scene *scene;
@@ -22,12 +24,13 @@ typedef struct rsv_transport_scene {
 
 /// A specular path at one of its surfaces. Set by rsv_specular_begin, moved by rsv_specular_step.
 typedef struct rsv_specular_path {
-    rsv_vec3 direction; ///< unit, of the segment that arrived here
-    rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
-    rsv_medium medium;  ///< that the segment ran through
-    float length;       ///< of that segment, metres; 0 = fog on it has been asked for
-    float start_ior;    ///< of the medium that the specular path started in
-    bool settled;       ///< has met the surface of a body, and so knows where it started
+    rsv_vec3 direction;  ///< unit, of the segment that arrived here
+    rsv_rgb weight;      ///< throughput of basic radiance up to this surface, all media included
+    rsv_medium medium;   ///< that the segment ran through
+    float length;        ///< of that segment, metres; 0 = fog on it has been asked for
+    rsv_channel channel; ///< of its light, once a body has dispersed it
+    float start_ior;     ///< of the medium that the specular path started in
+    bool settled;        ///< has met the surface of a body, and so knows where it started
     uint32_t triangle;
     float u, v;
     bool back;       ///< arrived at the triangle's back
@@ -49,6 +52,19 @@ RSV_INLINE uint32_t rsv_specular_material(
     const rsv_transport_scene *scene, const rsv_specular_path *path)
 {
     return scene->view->triangle_material[path->triangle];
+}
+
+/// The channel of light that goes on through the surface: of a body that disperses it, drawn by where the path arrived.
+RSV_INLINE rsv_channel rsv_specular_channel(
+    const rsv_transport_scene *scene, const rsv_specular_path *path)
+{
+    if (path->channel != RSV_CHANNEL_OPEN) return path->channel;
+    if (scene->bsdf[rsv_specular_material(scene, path)].dispersion == 0) return RSV_CHANNEL_OPEN;
+    uint32_t bits[3];
+    const float place[3] = { path->u, path->v, path->direction.x };
+    memcpy(bits, place, sizeof bits);
+    uint32_t third = (uint32_t)(3 * (uint64_t)rsv_hash3(bits[0], bits[1], bits[2]) >> 32);
+    return (rsv_channel)(RSV_CHANNEL_RED + third);
 }
 
 /// Whether a segment ends at the back of a triangle.
@@ -96,6 +112,7 @@ RSV_INLINE rsv_specular_path rsv_specular_begin(
     path.medium = medium ? *medium : outside;
     path.start_ior = rsv_medium_ior(&path.medium, scene->bsdf);
     path.settled = false;
+    path.channel = RSV_CHANNEL_OPEN;
     path.events = path.turns = path.rays = 0;
     path.spread = RSV_GATHER_SPREAD;
     path.width = 0;
@@ -178,6 +195,12 @@ RSV_INLINE bool rsv_specular_depart(
 RSV_INLINE void rsv_specular_set_out(const rsv_transport_scene *scene, rsv_specular_path *path,
     bool transmit, rsv_vec3 direction, rsv_rgb weight)
 {
+    rsv_channel channel = transmit ? rsv_specular_channel(scene, path) : path->channel;
+    const rsv_bsdf *bsdf = &scene->bsdf[rsv_specular_material(scene, path)];
+    if (path->channel != channel && rsv_bsdf_disperses(bsdf)) {
+        path->channel = channel;
+        weight = rgb_mul(weight, rsv_channel_weight(channel));
+    }
     if (transmit) path->medium = rsv_specular_medium_beyond(scene, path);
     path->direction = direction;
     path->weight = rgb_mul(path->weight, weight);

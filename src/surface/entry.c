@@ -35,8 +35,8 @@ void rsv_surface_entry_add(rsv_surface_entry *entry, const rsv_scene_view *scene
     const rsv_bsdf *common, uint32_t triangle, float u, float v)
 {
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf =
-        rsv_surface_entry_bsdf(scene, common, (rsv_footprint){ triangle, u, v, 0 }, &storage);
+    const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(
+        scene, common, (rsv_footprint){ triangle, u, v, 0, RSV_CHANNEL_ALL }, &storage);
     for (int k = 0; k < RSV_ENTRY_COS; k++)
         entry->mean[k] = rgb_add(entry->mean[k], rsv_bsdf_entry(bsdf, cosine(k)));
     entry->points++;

@@ -75,6 +75,7 @@ rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material)
 typedef struct rsv_footprint {
     uint32_t triangle;
     float u, v, width;
+    rsv_channel channel; ///< of light that smooth bodies disperse
 } rsv_footprint;
 
 /// How the surface scatters there.

@@ -18,14 +18,27 @@ RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     return point;
 }
 
-RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(
+/// How the surface scatters light of all channels.
+RSV_INLINE const rsv_bsdf *rsv_surface_bsdf_of_all(
     const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage)
 {
     uint32_t material = scene->triangle_material[at.triangle];
     if (!scene->material_varies[material]) return &common[material];
     rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
     *storage = rsv_bsdf_vary(&common[material], &m);
+    if (storage->brushed)
+        storage->brush = rsv_brush_direction(scene, at.triangle, at.u, at.v, m.anisotropy_rotation);
     if (!storage->solid) storage->opacity = m.opacity;
+    return storage;
+}
+
+RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(
+    const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage)
+{
+    const rsv_bsdf *bsdf = rsv_surface_bsdf_of_all(scene, common, at, storage);
+    bool one = at.channel != RSV_CHANNEL_OPEN && at.channel != RSV_CHANNEL_ALL;
+    if (!one || !rsv_bsdf_disperses(bsdf)) return bsdf;
+    *storage = rsv_bsdf_in_channel(bsdf, at.channel);
     return storage;
 }
 

@@ -44,7 +44,7 @@ static uint64_t key_of_mean(const rsv_material *m, const rsv_bsdf *b)
     uint64_t key = rsv_key_add(1, b->double_sided);
     if (b->lambert) return key;
     const float kind[] = { b->ior, b->transmission, m->thickness, b->metallic, b->diffuse, b->alpha,
-        b->passed };
+        b->passed, b->dispersion, b->brush_along, b->brush_across };
     const rsv_layer_values layers = rsv_bsdf_layer_values(b);
     key = add_numbers(add_color(key, b->specular_tint), layers.value, RSV_LAYER_VALUES);
     return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);

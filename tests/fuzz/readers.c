@@ -1,5 +1,6 @@
 #include "readers.h"
 
+#include "io/texture_image.h"
 #include "kept_files.h"
 #include "light_script.h"
 #include "opfile/sha256.h"
@@ -71,6 +72,22 @@ static void mend_checksum(char *bytes, size_t size)
     memcpy(place, digits, RSV_SHA256_DIGITS);
 }
 
+/// As a texture: what only textures are read from.
+static void read_texture(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_scene *scene = NULL;
+    rsv_texture_source source = { .srgb = true };
+    uint32_t id;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_scene_create(context, &scene) != RSV_OK) abort();
+    if (rsv_image_file_read(context, NULL, path, &source.file) == RSV_OK)
+        rsv_texture_load(scene, &source, &id);
+    rsv_free(context, (void *)(uintptr_t)source.file.bytes);
+    rsv_scene_destroy(scene);
+    rsv_context_destroy(context);
+}
+
 static void read_operator(const char *path)
 {
     rsv_context *context = NULL;
@@ -136,9 +153,10 @@ typedef struct reader {
 static const reader readers[] = { { ".glb", read_scene }, { ".gltf", read_scene },
     { ".obj", read_scene }, { ".ply", read_scene }, { ".stl", read_scene }, { ".dae", read_scene },
     { ".fbx", read_scene }, { ".exr", read_image }, { ".hdr", read_image }, { ".png", read_image },
-    { ".jpg", read_image }, { ".webp", read_image }, { ".safetensors", read_operator },
-    { ".csv", read_points }, { ".epw", read_weather }, { ".wea", read_weather },
-    { ".ies", read_luminaire }, { ".ldt", read_luminaire }, { ".txt", read_script } };
+    { ".jpg", read_image }, { ".webp", read_image }, { ".ktx2", read_texture },
+    { ".safetensors", read_operator }, { ".csv", read_points }, { ".epw", read_weather },
+    { ".wea", read_weather }, { ".ies", read_luminaire }, { ".ldt", read_luminaire },
+    { ".txt", read_script } };
 
 static const reader *reader_of(const char *extension)
 {

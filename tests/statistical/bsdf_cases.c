@@ -9,6 +9,7 @@ static rsv_material white(void)
         .attenuation_color = { 1, 1, 1 },
         .attenuation_distance = INFINITY,
         .diffuse_transmission_color = { 1, 1, 1 },
+        .iridescence_ior = 1.3f,
         .opacity = 1 };
     return material;
 }
@@ -23,9 +24,23 @@ static rsv_material blend(float metallic, float transmission, float thickness, f
     return material;
 }
 
+static rsv_material filmed(rsv_material material, float ior, float nanometres)
+{
+    material.iridescence = 1;
+    material.iridescence_ior = ior;
+    material.iridescence_thickness_max = nanometres;
+    return material;
+}
+
+static rsv_material brushed(rsv_material material, float strength)
+{
+    material.anisotropy = strength;
+    return material;
+}
+
 const bsdf_case *bsdf_cases(void)
 {
-    static bsdf_case cases[16];
+    static bsdf_case cases[24];
     size_t count = 0;
     cases[count++] = (bsdf_case){ "metal", blend(1, 0, 0, 1.5f), false };
     cases[count++] = (bsdf_case){ "coat", blend(0, 0, 0, 1.5f), false };
@@ -57,6 +72,20 @@ const bsdf_case *bsdf_cases(void)
     layered.metallic = 0.5f;
     layered.double_sided = true;
     cases[count++] = (bsdf_case){ "blend under both layers", layered, true };
+    cases[count++] = (bsdf_case){ "coat under film", filmed(blend(0, 0, 0, 1.5f), 2, 350), false };
+    cases[count++] =
+        (bsdf_case){ "glass under film", filmed(blend(0, 1, 1, 1.5f), 1.8f, 300), true };
+    cases[count++] = (bsdf_case){ "soap", filmed(blend(0, 1, 0, 1), 1.33f, 500), true };
+    cases[count++] =
+        (bsdf_case){ "blend under film", filmed(blend(0.3f, 0.5f, 0, 1.5f), 1.3f, 400), false };
+    cases[count++] = (bsdf_case){ "brushed metal", brushed(blend(1, 0, 0, 1.5f), 0.6f), false };
+    cases[count++] = (bsdf_case){ "metal brushed well", brushed(blend(1, 0, 0, 1.5f), 1), false };
+    cases[count++] =
+        (bsdf_case){ "brushed blend", brushed(blend(0.4f, 0.5f, 0, 1.5f), 0.3f), false };
+    layered = brushed(blend(1, 0, 0, 1.5f), 0.8f);
+    layered.clearcoat = 1;
+    layered.clearcoat_roughness = 0.3f;
+    cases[count++] = (bsdf_case){ "brushed metal under clear coat", layered, false };
     cases[count] = (bsdf_case){ .name = NULL };
     return cases;
 }
@@ -65,7 +94,9 @@ rsv_bsdf bsdf_of(const bsdf_case *c, float roughness)
 {
     rsv_material material = c->material;
     material.roughness = roughness;
-    return rsv_bsdf_from_material(&material);
+    rsv_bsdf bsdf = rsv_bsdf_from_material(&material);
+    bsdf.brush = v3(cosf(1), sinf(1), 0);
+    return bsdf;
 }
 
 void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart[2])
@@ -81,6 +112,13 @@ void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart
         c->axis = c->half_vectors ? v3(0, 0, 1) : v3(-wo.x / eta, -wo.y / eta, -cos_t);
         c->axis = v3_normalize(c->axis);
         v3_frame(c->axis, &c->tangent, &c->bitangent);
+        c->stretch = 1;
+        if (bsdf->brushed && c->half_vectors) {
+            c->stretch = sqrtf(bsdf->brush_along / bsdf->brush_across);
+            c->scale = sqrtf(bsdf->brush_along * bsdf->brush_across);
+            rsv_brush_frame(bsdf, c->axis, &c->tangent, &c->bitangent);
+            continue;
+        }
         rsv_vec3 across = v3_mad(wo, -v3_dot(wo, c->axis), c->axis);
         if (v3_dot(across, across) < 1e-6f) continue; // along the axis: any frame will do
         c->tangent = v3_normalize(across);
@@ -121,7 +159,9 @@ rsv_vec3 bsdf_chart_direction(const bsdf_chart *c, float u, float v, double *jac
     double per_square = 2 * (double)RSV_PI * r * radius_slope(c, u);
     rsv_vec3 w;
     if (c->half_vectors) { // r is the slope of the half vector
-        rsv_vec3 h = turned(c, 1 / sqrt(q), r / sqrt(q), phi);
+        double stretch = (double)c->stretch, x = r * cos(phi) * stretch, y = r * sin(phi) / stretch;
+        q = 1 + x * x + y * y;
+        rsv_vec3 h = turned(c, 1 / sqrt(q), sqrt(x * x + y * y) / sqrt(q), atan2(y, x));
         double cos_h = (double)v3_dot(h, c->wo);
         w = v3_sub(v3_scale(h, (float)(2 * cos_h)), c->wo);
         *jacobian = per_square / (q * sqrt(q)) * 4 * fabs(cos_h);
@@ -140,6 +180,7 @@ void bsdf_chart_locate(const bsdf_chart *c, rsv_vec3 w, float *u, float *v)
     rsv_vec3 p = w;
     if (c->half_vectors) p = v3_normalize(v3_add(c->wo, v3(w.x, w.y, fabsf(w.z))));
     double x = (double)v3_dot(p, c->tangent), y = (double)v3_dot(p, c->bitangent);
+    x /= (double)c->stretch, y *= (double)c->stretch;
     double z = (double)v3_dot(p, c->axis), across = sqrt(x * x + y * y);
     *u = (float)radius_inverse(c, across / fmax(c->half_vectors ? z : 1 + z, 1e-9));
     double turn = atan2(y, x) / (2 * (double)RSV_PI);
@@ -171,13 +212,16 @@ bsdf_integral bsdf_integrate(
 bsdf_integral bsdf_integrate_all(
     const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, int steps_u, int steps_v)
 {
-    const bsdf_patch half = { 0, 1, 0, 0.5f, steps_u, steps_v / 2 };
+    // the plane of wo mirrors all but brushed surfaces
+    bsdf_patch half = { 0, 1, 0, 0.5f, steps_u, steps_v / 2 };
+    int halves = bsdf->brushed ? 1 : 2;
+    if (bsdf->brushed) half.v1 = 1, half.steps_v = steps_v;
     bsdf_chart chart[2];
     bsdf_charts(bsdf, wo, front, chart);
     bsdf_integral sum = bsdf_integrate(bsdf, wo, front, &chart[0], half);
     bsdf_integral below = bsdf_integrate(bsdf, wo, front, &chart[1], half);
     for (int i = 0; i < 3; i++)
-        sum.response[i] = 2 * (sum.response[i] + below.response[i]);
-    sum.density = 2 * (sum.density + below.density);
+        sum.response[i] = halves * (sum.response[i] + below.response[i]);
+    sum.density = halves * (sum.density + below.density);
     return sum;
 }

@@ -21,8 +21,9 @@ rsv_bsdf bsdf_of(const bsdf_case *c, float roughness);
 /// makes reflection lobes round at any angle, or by the polar distance from the refracted direction.
 typedef struct bsdf_chart {
     rsv_vec3 wo, axis, tangent, bitangent;
-    float scale;
-    float side;        ///< +1, -1: only directions above or below the surface count
+    float scale,
+        stretch; ///< stretch: of brushed surfaces, along the tangent and the inverse across it
+    float side;  ///< +1, -1: only directions above or below the surface count
     bool half_vectors; ///< side -1: of what is reflected through the surface, as off a thin sheet
 } bsdf_chart;
 

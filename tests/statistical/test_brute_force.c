@@ -31,8 +31,8 @@ static bool arrive(const world *w, const rsv_ray *ray, arrival *a)
     a->point = rsv_surface_point_seen(view, hit.triangle, hit.u, hit.v, false, 0);
     a->front = v3_dot(a->point.geometric, ray->direction) < 0;
     if (!a->front) a->point = rsv_surface_point_seen(view, hit.triangle, hit.u, hit.v, true, 0);
-    a->bsdf = rsv_surface_bsdf(
-        view, w->bsdf, (rsv_footprint){ hit.triangle, hit.u, hit.v, 0 }, &a->storage);
+    a->bsdf = rsv_surface_bsdf(view, w->bsdf,
+        (rsv_footprint){ hit.triangle, hit.u, hit.v, 0, RSV_CHANNEL_ALL }, &a->storage);
     rsv_vec3 wo = v3_neg(ray->direction);
     a->normal = rsv_bsdf_specular_normal(a->point.normal, a->point.geometric, wo);
     return true;

@@ -29,6 +29,8 @@ static void for_all(check check_one)
             for (size_t k = 0; k < COUNT(cosines); k++)
                 for (int back = 0; back <= c->both_sides; back++) {
                     rsv_bsdf bsdf = bsdf_of(c, roughnesses[r]);
+                    // narrower brushes are lines to the charts below
+                    if (bsdf.brushed && roughnesses[r] < 0.15f) continue;
                     check_one(c, &bsdf, cosines[k], !back);
                 }
 }
@@ -48,9 +50,13 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
 {
     rsv_vec3 wo = direction_at(cos_o, 0.4f);
     rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, front);
-    bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, 128);
+    bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, bsdf->brushed ? 768 : 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
-    report(energy > 0.995 && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    bool dimmed = bsdf->brushed && bsdf->layered; // rsv_bsdf_brushed_ways
+    report(
+        energy > (dimmed ? 0.9 : 0.995) && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    if (bsdf->film.share > 0 && bsdf->alpha == 0)
+        return; // chances are of the channel that is reflected most
     double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);
     report(fabs(whole - 1) < 0.005, "density", c, bsdf, cos_o, front, whole);
 }
@@ -115,10 +121,11 @@ static void check_draws(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, b
     for (int bin = 0; bin < BINS; bin++) {
         int i = bin / BINS_V % BINS_U, j = bin % BINS_V, mirrored = bin - j + BINS_V - 1 - j;
         bsdf_patch patch = { (float)i / BINS_U, (float)(i + 1) / BINS_U, (float)j / BINS_V,
-            (float)(j + 1) / BINS_V, 8, 6 };
+            (float)(j + 1) / BINS_V, bsdf->brushed ? 24 : 8, bsdf->brushed ? 96 : 6 };
         const bsdf_chart *side = &chart[bin / (BINS_U * BINS_V)];
-        density[bin] = mirrored < bin ? density[mirrored]
-                                      : bsdf_integrate(bsdf, wo, front, side, patch).density;
+        density[bin] = mirrored < bin && !bsdf->brushed
+                           ? density[mirrored]
+                           : bsdf_integrate(bsdf, wo, front, side, patch).density;
         expected += DRAWS * density[bin];
         found += counts[bin];
         if (expected < 20) continue;
@@ -172,6 +179,7 @@ static void scattering_is_reciprocal(void **state)
 /// What integrals above make use of: the plane of wo and the normal mirrors scattering.
 static void check_symmetry(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
+    if (bsdf->brushed) return;
     rsv_vec3 wo = direction_at(cos_o, 0.4f), across = v3(-sinf(0.4f), cosf(0.4f), 0);
     for (int k = 0; k < 40; k++) {
         float x, y;
@@ -200,7 +208,7 @@ static void scattering_is_symmetric(void **state)
 /// T(wi) / T_mean, and rough lobes under layers keep a(wi) / s(wo): these are 1 in the mean only.
 static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
-    if (bsdf->passed > 0) return;
+    if (bsdf->passed > 0 || bsdf->film.share > 0) return; // a film has colours
     rsv_random random = rsv_random_from(1, 2, 3);
     for (int k = 0; k < 200; k++) {
         float u = rsv_random_float(&random), x = rsv_random_float(&random);

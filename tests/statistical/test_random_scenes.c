@@ -216,7 +216,7 @@ static void many_lossless_things_cannot_be_seen(void **state)
 static const rsv_texture_role slot[] = { RSV_TEXTURE_METALLIC_ROUGHNESS, RSV_TEXTURE_SPECULAR,
     RSV_TEXTURE_SPECULAR_COLOR, RSV_TEXTURE_TRANSMISSION, RSV_TEXTURE_CLEARCOAT,
     RSV_TEXTURE_CLEARCOAT_ROUGHNESS, RSV_TEXTURE_SHEEN_COLOR, RSV_TEXTURE_SHEEN_ROUGHNESS,
-    RSV_TEXTURE_DIFFUSE_TRANSMISSION, RSV_TEXTURE_OPACITY };
+    RSV_TEXTURE_DIFFUSE_TRANSMISSION, RSV_TEXTURE_OPACITY, RSV_TEXTURE_IRIDESCENCE_THICKNESS };
 #define SLOTS (sizeof slot / sizeof *slot)
 #define PLATES (SLOTS * (SLOTS + 1) / 2)
 #define PLATES_ABREAST 8
@@ -240,6 +240,8 @@ static rsv_material material_with(rsv_texture_role a, rsv_texture_role b)
         m.sheen_color = rgb_gray(0.9f);
     m.sheen_roughness = 1;
     m.diffuse_transmission = all[RSV_TEXTURE_DIFFUSE_TRANSMISSION];
+    m.iridescence = all[RSV_TEXTURE_IRIDESCENCE_THICKNESS];
+    m.iridescence_thickness_min = 0;
     return m;
 }
 

@@ -110,6 +110,11 @@ static void choose_base(maker *k)
 static void choose_layers(maker *k)
 {
     rsv_random *random = &k->random;
+    k->m.iridescence = share(random, 0.7f, 0.2f);
+    k->m.iridescence_ior = between(random, 1, 2.5f);
+    k->m.iridescence_thickness_max = between(random, 100, 1200);
+    if (!k->choice.matt) k->m.anisotropy = share(random, 0.7f, 0.1f);
+    k->m.anisotropy_rotation = between(random, -3, 3);
     k->m.clearcoat = share(random, 0.6f, 0.2f);
     k->m.clearcoat_roughness = share(random, 0.4f, 0.1f);
     if (k->choice.matt) k->m.clearcoat_roughness = f_max(k->m.clearcoat_roughness, MATT_ROUGHNESS);
@@ -133,6 +138,7 @@ static void choose_passage(maker *k)
     bool solid = k->choice.body && k->m.transmission > 0 && chance(random, 0.5f);
     if (solid) {
         k->m.thickness = 1;
+        k->m.dispersion = share(random, 0.6f, 0.2f);
         k->m.metallic = 0;
         k->m.transmission = 1;            // the rest would be black inside
         k->m.ior = f_min(k->m.ior, 2.8f); // light must get out again
@@ -198,6 +204,8 @@ static void describe(const rsv_material *m, uint32_t seed, char *words, size_t s
         (double)m->ior);
     say(words, size, "specular", m->specular);
     say(words, size, "metallic", m->metallic);
+    say(words, size, "thin film", m->iridescence);
+    say(words, size, "anisotropy", m->anisotropy);
     say(words, size, "transmission", m->transmission);
     say(words, size, "thickness", m->thickness);
     say(words, size, "diffuse transmission", m->diffuse_transmission);

@@ -426,6 +426,44 @@ static void specular_lobes_drawn_alone_carry_their_share(void **state)
         }
 }
 
+/// By Snell's law and Abbe's number of dense flint, V = (n - 1) / (n_blue - n_red).
+static void channels_of_a_prism_refract_by_its_abbe_number(void **state)
+{
+    (void)state;
+    const double n = 1.75, abbe = 25,
+                 n_of[] = { n - 0.5 * (n - 1) / abbe, n, n + 0.5 * (n - 1) / abbe };
+    rsv_material material = smooth_material(rgb_gray(1));
+    material.ior = (float)n;
+    material.transmission = material.thickness = material.opacity = 1;
+    material.roughness = 0;
+    material.dispersion = (float)(20 / abbe);
+    rsv_bsdf bsdf = make_bsdf(&material);
+    assert_true(rsv_bsdf_disperses(&bsdf));
+    rsv_rgb sum = rgb_gray(0);
+    for (int c = 0; c < 3; c++) {
+        rsv_channel channel = (rsv_channel)(RSV_CHANNEL_RED + c);
+        rsv_bsdf own = rsv_bsdf_in_channel(&bsdf, channel);
+        for (float cos = 0.1f; cos < 1; cos += 0.2f) {
+            double sin = sqrt(1 - (double)(cos * cos));
+            rsv_bsdf_branches in = rsv_bsdf_evaluate_branches(&own, direction_at(cos, 0), up, true);
+            double bent = hypot((double)in.transmit_direction.x, (double)in.transmit_direction.y);
+            assert_float_equal(bent, sin / n_of[c], 1e-6);
+            // lossless, and back the way it came
+            assert_float_equal(in.reflect.g + in.transmit.g, 1, 1e-5);
+            rsv_vec3 wo = in.transmit_direction;
+            rsv_bsdf_branches out = rsv_bsdf_evaluate_branches(&own, wo, v3_neg(up), false);
+            assert_float_equal(
+                hypot((double)out.transmit_direction.x, (double)out.transmit_direction.y), sin,
+                2e-6);
+        }
+        sum = rgb_mad(sum, 1.0f / 3, rsv_channel_weight(channel));
+    }
+    assert_true(sum.r == 1 && sum.g == 1 && sum.b == 1);
+    material.roughness = 0.5f; // frosted: colours mix anyway
+    bsdf = make_bsdf(&material);
+    assert_false(rsv_bsdf_disperses(&bsdf));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -449,6 +487,7 @@ int main(void)
         cmocka_unit_test(partly_transmitting_body_diffuses_outside_only),
         cmocka_unit_test(absorption_follows_beer_and_lambert),
         cmocka_unit_test(mirror_directions_stay_above_the_surface),
+        cmocka_unit_test(channels_of_a_prism_refract_by_its_abbe_number),
         cmocka_unit_test(specular_lobes_drawn_alone_carry_their_share),
         cmocka_unit_test(unlit_material_is_black_to_light_transport),
     };

@@ -209,7 +209,7 @@ static void extensions_set_what_they_name(void **state)
             "\"sheenRoughnessFactor\":0.4},"
             "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.6,"
             "\"diffuseTransmissionColorFactor\":[0.7,0.8,0.9]},"
-            "\"KHR_materials_iridescence\":{}},"
+            "\"KHR_materials_coat\":{}},"
             "\"extras\":{\"resolvent\":{\"scatter_distance\":[0.001,0.002,0.003],"
             "\"camera_emission\":0.25}}",
             "\"textures\":[]"));
@@ -223,7 +223,7 @@ static void extensions_set_what_they_name(void **state)
     assert_float_equal(m->diffuse_transmission_color.g, 0.8f, 0);
     assert_float_equal(m->scatter_distance.g, 0.002f, 0);
     assert_float_equal(m->camera_emission, 0.25f, 0);
-    assert_mentions(f->log, "extension 'KHR_materials_iridescence' is ignored: material 'paint'");
+    assert_mentions(f->log, "extension 'KHR_materials_coat' is ignored: material 'paint'");
 
     // what is written is read back
     assert_int_equal(rsv_scene_save(scene, path_in(&at, "again.glb")), RSV_OK);

@@ -1,3 +1,6 @@
+rsv_add_test(thin_film unit/test_thin_film.c)
+rsv_add_test(ktx unit/test_ktx.c)
+target_link_libraries(test_ktx PRIVATE PkgConfig::ZLIB PkgConfig::ZSTD)
 rsv_add_test(bsdf unit/test_bsdf.c)
 rsv_add_test(bsdf_lobes statistical/test_bsdf_lobes.c statistical/bsdf_cases.c)
 rsv_add_test(light unit/test_light.c)

@@ -1,0 +1,295 @@
+/// KTX 2.0 (Khronos, "KTX File Format Specification", 2.0.4).
+#include "image_ktx.h"
+
+#include "resolvent/scene.h"
+
+#include <math.h>
+#include <string.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#define HEADER_BYTES 80
+#define LEVEL_BYTES 24
+
+/// The most that a byte packed by Zstandard can become, and more than one by zlib.
+#define BYTES_PER_PACKED_BYTE 65536
+
+static const uint8_t identifier[12] = { 0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a,
+    '\n' };
+
+bool rsv_image_is_ktx(const rsv_image_file *file)
+{
+    return file->size >= sizeof identifier &&
+           memcmp(file->bytes, identifier, sizeof identifier) == 0;
+}
+
+// ---- the header ---------------------------------------------------------------------------------
+
+typedef enum texel_type { UNORM8, UNORM16, FLOAT16, FLOAT32 } texel_type;
+
+/// A format of Vulkan's that is read.
+typedef struct texel_format {
+    uint32_t number;
+    texel_type type;
+    uint32_t channels;
+    bool blue_first;
+} texel_format;
+
+static const texel_format formats[] = { { 9, UNORM8, 1, false }, { 15, UNORM8, 1, false },
+    { 16, UNORM8, 2, false }, { 22, UNORM8, 2, false }, { 23, UNORM8, 3, false },
+    { 29, UNORM8, 3, false }, { 30, UNORM8, 3, true }, { 36, UNORM8, 3, true },
+    { 37, UNORM8, 4, false }, { 43, UNORM8, 4, false }, { 44, UNORM8, 4, true },
+    { 50, UNORM8, 4, true }, { 70, UNORM16, 1, false }, { 77, UNORM16, 2, false },
+    { 84, UNORM16, 3, false }, { 91, UNORM16, 4, false }, { 76, FLOAT16, 1, false },
+    { 83, FLOAT16, 2, false }, { 90, FLOAT16, 3, false }, { 97, FLOAT16, 4, false },
+    { 100, FLOAT32, 1, false }, { 103, FLOAT32, 2, false }, { 106, FLOAT32, 3, false },
+    { 109, FLOAT32, 4, false } };
+
+static const size_t bytes_of_type[] = { [UNORM8] = 1, [UNORM16] = 2, [FLOAT16] = 2, [FLOAT32] = 4 };
+
+enum { PLAIN, BASIS_LZ, ZSTANDARD, ZLIB };
+
+/// What is taken from a file.
+typedef struct ktx {
+    const rsv_image_file *file;
+    const texel_format *format;
+    uint32_t width, height, packing;
+    uint64_t at, size; ///< of the finest level
+    size_t unpacked;   ///< bytes
+    char swizzle[5];   ///< of "rgba01"
+    bool bottom_up;
+} ktx;
+
+static uint32_t u32(const uint8_t *bytes)
+{
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+static uint64_t u64(const uint8_t *bytes) { return u32(bytes) | (uint64_t)u32(bytes + 4) << 32; }
+
+static rsv_status refuse(const ktx *k, rsv_status status, const char *why)
+{
+    return rsv_fail(status, "cannot read '%s': %s", k->file->path, why);
+}
+
+static rsv_status find_format(ktx *k)
+{
+    uint32_t number = u32(k->file->bytes + 12);
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (formats[i].number == number) k->format = &formats[i];
+    if (number == 0 || k->packing == BASIS_LZ)
+        return refuse(k, RSV_ERROR_UNSUPPORTED,
+            "its texels are compressed by Basis Universal, which is not supported; export PNG, "
+            "JPEG or "
+            "WebP");
+    if (k->format) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "cannot read '%s': its texels have Vulkan's format %u, which is not supported (8 or 16 "
+        "bits "
+        "or floats per channel are); export PNG, JPEG or WebP",
+        k->file->path, number);
+}
+
+static rsv_status check_shape(const ktx *k)
+{
+    const uint8_t *head = k->file->bytes;
+    if (u32(head + 28) > 1 || u32(head + 32) > 1 || u32(head + 36) != 1)
+        return refuse(k, RSV_ERROR_UNSUPPORTED,
+            "it is a volume, an array or a cube; a single picture is needed");
+    if (k->width - 1u < RSV_TEXTURE_MAX_SIDE && k->height - 1u < RSV_TEXTURE_MAX_SIDE)
+        return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %u x %u pixels are not in 1 .. %u a side",
+        k->file->path, k->width, k->height, RSV_TEXTURE_MAX_SIDE);
+}
+
+/// The finest level, which is described first.
+static rsv_status find_level(ktx *k)
+{
+    const uint8_t *level = k->file->bytes + HEADER_BYTES;
+    if (k->file->size < HEADER_BYTES + LEVEL_BYTES)
+        return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
+    k->at = u64(level);
+    k->size = u64(level + 8);
+    k->unpacked =
+        (size_t)k->width * k->height * k->format->channels * bytes_of_type[k->format->type];
+    if (k->at > k->file->size || k->size > k->file->size - k->at)
+        return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
+    bool fits = k->packing == PLAIN ? k->size == k->unpacked
+                                    : k->unpacked / BYTES_PER_PACKED_BYTE <= k->size;
+    if (fits) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "cannot read '%s': %u x %u texels cannot come out of %llu bytes", k->file->path, k->width,
+        k->height, (unsigned long long)k->size);
+}
+
+/// The value of a key, with its size; NULL = there is none.
+static const char *find_value(const ktx *k, const char *key, size_t *size)
+{
+    uint64_t at = u32(k->file->bytes + 56), end = at + u32(k->file->bytes + 60);
+    size_t length = strlen(key) + 1;
+    if (end > k->file->size) return NULL;
+    while (end - at >= 4) {
+        uint64_t entry = u32(k->file->bytes + at);
+        const char *text = (const char *)k->file->bytes + at + 4;
+        if (entry > end - at - 4) return NULL;
+        *size = (size_t)entry - length;
+        if (entry >= length && memcmp(text, key, length) == 0) return text + length;
+        at += 4 + ((entry + 3) & ~UINT64_C(3));
+        if (at > end) return NULL;
+    }
+    return NULL;
+}
+
+/// How channels and rows lie. Where nothing is said: red, green, blue, alpha; from the top.
+static rsv_status read_order(ktx *k)
+{
+    size_t size;
+    memcpy(k->swizzle, "rgba", 5);
+    const char *value = find_value(k, "KTXswizzle", &size);
+    if (value && size >= 4) memcpy(k->swizzle, value, 4);
+    for (int c = 0; c < 4; c++)
+        if (!strchr("rgba01", k->swizzle[c]) || !k->swizzle[c])
+            return refuse(k, RSV_ERROR_FORMAT, "its KTXswizzle is not of r, g, b, a, 0 and 1");
+    value = find_value(k, "KTXorientation", &size);
+    k->bottom_up = value && size >= 2 && value[1] == 'u';
+    return RSV_OK;
+}
+
+static rsv_status read_header(const rsv_image_file *file, ktx *k)
+{
+    rsv_status status;
+    *k = (ktx){ .file = file };
+    if (file->size < HEADER_BYTES) return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
+    k->width = u32(file->bytes + 20);
+    k->height = u32(file->bytes + 24);
+    k->packing = u32(file->bytes + 44);
+    RSV_TRY(find_format(k));
+    RSV_TRY(check_shape(k));
+    if (k->packing > ZLIB)
+        RSV_TRY(refuse(k, RSV_ERROR_UNSUPPORTED,
+            "it is packed in a way that is not supported (Zstandard and zlib are)"));
+    RSV_TRY(find_level(k));
+    RSV_TRY(read_order(k));
+cleanup:
+    return status;
+}
+
+// ---- texels -------------------------------------------------------------------------------------
+
+/// The texels as they are stored. @param owned to be freed; NULL = they lie in the file
+static rsv_status unpack(
+    rsv_context *context, const ktx *k, uint8_t **owned, const uint8_t **texels)
+{
+    *owned = NULL;
+    *texels = k->file->bytes + k->at;
+    if (k->packing == PLAIN) return RSV_OK;
+    uint8_t *bytes = *owned = rsv_alloc(context, k->unpacked, 1);
+    if (!bytes) return RSV_ERROR_MEMORY;
+    size_t got;
+    if (k->packing == ZSTANDARD) {
+        got = ZSTD_decompress(bytes, k->unpacked, *texels, (size_t)k->size);
+    } else {
+        uLongf size = k->unpacked;
+        got = uncompress(bytes, &size, *texels, (uLong)k->size) == Z_OK ? size : 0;
+    }
+    *texels = bytes;
+    // errors of Zstandard are sizes that nothing has
+    return got == k->unpacked ? RSV_OK
+                              : refuse(k, RSV_ERROR_FORMAT, "its packed texels are damaged");
+}
+
+static float half_to_float(uint32_t bits)
+{
+    uint32_t exponent = bits >> 10 & 31, fraction = bits & 1023;
+    float value = exponent == 0    ? (float)fraction * 0x1p-24f
+                  : exponent == 31 ? (fraction ? NAN : INFINITY)
+                                   : ldexpf((float)(1024 + fraction), (int)exponent - 25);
+    return bits & 0x8000 ? -value : value;
+}
+
+static float channel_value(const ktx *k, const uint8_t *texel, uint32_t channel)
+{
+    float value;
+    uint32_t bits;
+    switch (k->format->type) {
+    case UNORM8:
+        return (float)texel[channel];
+    case UNORM16:
+        return (float)(texel[2 * channel] | texel[2 * channel + 1] << 8) / 65535.0f;
+    case FLOAT16:
+        return half_to_float(texel[2 * channel] | (uint32_t)texel[2 * channel + 1] << 8);
+    default:
+        bits = u32(texel + 4 * (size_t)channel);
+        memcpy(&value, &bits, sizeof value);
+        return value;
+    }
+}
+
+/// In "rgba01".
+static size_t place_of(char channel)
+{
+    static const char all[] = "rgba01";
+    return (size_t)(strchr(all, channel) - all);
+}
+
+/// Red, green, blue and alpha, as the file's own order and swizzle have them.
+static void read_texel(const ktx *k, const uint8_t *texel, float rgba[4])
+{
+    const float one = k->format->type == UNORM8 ? 255 : 1;
+    float stored[6] = { 0, 0, 0, one, 0, one }; // r g b a 0 1
+    for (uint32_t c = 0; c < k->format->channels; c++)
+        stored[k->format->blue_first && c < 3 ? 2 - c : c] = channel_value(k, texel, c);
+    for (int c = 0; c < 4; c++)
+        rgba[c] = stored[place_of(k->swizzle[c])];
+}
+
+static bool has_alpha(const ktx *k)
+{
+    char from = k->swizzle[3];
+    return from != '1' && !(from == 'a' && k->format->channels < 4);
+}
+
+static rsv_status convert(
+    rsv_context *context, const ktx *k, const uint8_t *texels, rsv_ktx_picture *p)
+{
+    size_t count = (size_t)k->width * k->height, channels = has_alpha(k) ? 4 : 3;
+    size_t bytes = k->format->channels * bytes_of_type[k->format->type];
+    *p = (rsv_ktx_picture){ k->width, k->height, (uint32_t)channels, NULL, NULL,
+        k->format->type == UNORM16 };
+    if (k->format->type == UNORM8)
+        p->codes = rsv_alloc(context, count * channels, 1);
+    else
+        p->values = rsv_alloc(context, count * channels, sizeof *p->values);
+    if (!p->codes && !p->values) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        float rgba[4];
+        size_t row = i / k->width, from = k->bottom_up ? k->height - 1 - row : row;
+        read_texel(k, texels + (from * k->width + i % k->width) * bytes, rgba);
+        for (size_t c = 0; c < channels; c++)
+            if (p->codes)
+                p->codes[channels * i + c] = (uint8_t)rgba[c];
+            else
+                p->values[channels * i + c] = rgba[c];
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_ktx_decode(
+    rsv_context *context, const rsv_image_file *file, rsv_ktx_picture *picture)
+{
+    ktx k;
+    uint8_t *owned = NULL;
+    const uint8_t *texels;
+    *picture = (rsv_ktx_picture){ 0 };
+    rsv_status status = read_header(file, &k);
+    if (status == RSV_OK) status = unpack(context, &k, &owned, &texels);
+    if (status == RSV_OK) status = convert(context, &k, texels, picture);
+    rsv_free(context, owned);
+    return status;
+}
+
+void rsv_ktx_free(rsv_context *context, rsv_ktx_picture *picture)
+{
+    rsv_free(context, picture->codes);
+    rsv_free(context, picture->values);
+}
