@@ -137,7 +137,8 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
 static void add_punctual(const receiver *r, uint32_t index, double value[3][GROUPS])
 {
     const rsv_light_view *s = r->job->solution;
-    uint32_t count = s->lights->punctual_tree ? r->job->light_samples : 1;
+    bool drawn = s->lights->punctual_tree || s->lights->extended;
+    uint32_t count = drawn ? r->job->light_samples : 1;
     rsv_rgb sum = rgb_gray(0);
     rsv_entrance entrance = entrance_of(r, 1);
     uint64_t rays = 0;

@@ -152,12 +152,23 @@ static void add_odd_materials(rsv_scene *scene)
 static void add_lights_and_cameras(rsv_scene *scene)
 {
     const rsv_punctual_light lights[] = {
-        { "point", RSV_PUNCTUAL_POINT, { 1, 2, 3 }, { 0, 0, 0 }, { 3, 2, 1 }, 0, 0, 0 },
-        { "spot", RSV_PUNCTUAL_SPOT, { 0.1f, 2, 3 }, { 0.6f, -0.8f, 0 }, { 0.5f, 0.5f, 2 }, 0.3f,
-            RSV_PI / 2, 2.5f },
-        { "sun", RSV_PUNCTUAL_DIRECTIONAL, { 0, 0, 0 }, { 0, -1, 0 }, { 1e5f, 9e4f, 8e4f }, 0, 0,
-            0 },
-        { "off", RSV_PUNCTUAL_POINT, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0, 0 },
+        { .name = "point",
+            .kind = RSV_PUNCTUAL_POINT,
+            .position = { 1, 2, 3 },
+            .intensity = { 3, 2, 1 } },
+        { .name = "spot",
+            .kind = RSV_PUNCTUAL_SPOT,
+            .position = { 0.1f, 2, 3 },
+            .direction = { 0.6f, -0.8f, 0 },
+            .intensity = { 0.5f, 0.5f, 2 },
+            .inner_cone_angle = 0.3f,
+            .outer_cone_angle = RSV_PI / 2,
+            .exponent = 2.5f },
+        { .name = "sun",
+            .kind = RSV_PUNCTUAL_DIRECTIONAL,
+            .direction = { 0, -1, 0 },
+            .intensity = { 1e5f, 9e4f, 8e4f } },
+        { .name = "off", .kind = RSV_PUNCTUAL_POINT },
     };
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         assert_int_equal(rsv_scene_add_light(scene, &lights[i]), RSV_OK);
