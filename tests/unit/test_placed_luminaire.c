@@ -261,6 +261,102 @@ static void light_is_reflected_by_mirrors(void **state)
     rsv_scene_destroy(scene);
 }
 
+// ---- other strengths and directions -----------------------------------------------------------------
+
+static const float floor_corner[4][3] = { { -2, 0, -2 }, { -2, 0, 2 }, { 2, 0, 2 }, { 2, 0, -2 } };
+
+/// Lux on the floor from a lamp whose intensity is a cosine.
+static double lux_on_floor(rsv_vec3 lamp, rsv_vec3 direction, const rsv_probe *probe)
+{
+    rsv_vec3 way = v3_sub(probe->position, lamp);
+    double square = (double)v3_dot(way, way);
+    return PEAK * fmax((double)v3_dot(way, direction), 0) * (double)lamp.y / (square * square);
+}
+
+static void check_floor(const rsv_light *solved, rsv_vec3 lamp, rsv_vec3 direction, double scale,
+    double tolerance)
+{
+    const rsv_probe probes[3] = { { { 0.3f, 0, 0.2f }, { 0, 1, 0 } },
+        { { -1, 0, -0.5f }, { 0, 1, 0 } }, { { 1.6f, 0, 1.2f }, { 0, 1, 0 } } };
+    rsv_probe_reading reading[3];
+    rsv_probe_desc desc = rsv_default_probe_desc();
+    desc.mode = RSV_PROBE_LOOKUP;
+    ok(rsv_probe_irradiance(solved, &desc, probes, 3, reading));
+    for (int k = 0; k < 3; k++) {
+        double expected = scale * lux_on_floor(lamp, direction, &probes[k]);
+        assert_close(lux_of(reading[k].irradiance), expected, tolerance * expected + 0.5, "floor");
+    }
+}
+
+static void relighting_dims_and_aims(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene = new_scene(f->context);
+    rsv_punctual_light light = add_luminaire(scene, print_cosine("0 0 0"));
+    light.position = v3(0.2f, 2, -0.1f);
+    add_quad(scene, add_material(scene, 0.5f, false), floor_corner);
+    ok(rsv_scene_add_light(scene, &light));
+    ok(rsv_scene_commit(scene));
+    rsv_light *solved = solve(scene);
+    check_floor(solved, light.position, v3(0, -1, 0), 1, 0.01);
+    rsv_relighter *relighter;
+    ok(rsv_relighter_create(solved, &relighter));
+    const rsv_light_scale half = { "lamp", { 0.5f, 0.5f, 0.5f } };
+    const rsv_light_aim aim = { "lamp", { 1, -2, 0.5f } }, none = { "lamp", { 0, 0, 0 } };
+    ok(rsv_relighter_change(
+        relighter, &(rsv_relight_desc){ .light = &half, .light_count = 1, .aim = &aim,
+                       .aim_count = 1 }));
+    ok(rsv_relighter_refine(relighter));
+    check_floor(solved, light.position, v3_normalize(aim.direction), 0.5, 0.01);
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(solved));
+    assert_float_equal(v3_dot(view->light[0].side, view->light[0].direction), 0, 1e-6);
+    assert_int_equal(
+        rsv_relighter_change(relighter, &(rsv_relight_desc){ .aim = &none, .aim_count = 1 }),
+        RSV_ERROR_ARGUMENT);
+    ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ 0 }));
+    ok(rsv_relighter_refine(relighter));
+    check_floor(solved, light.position, v3(0, -1, 0), 1, 0.01);
+    rsv_relighter_destroy(relighter);
+    rsv_light_destroy(solved);
+    rsv_scene_destroy(scene);
+}
+
+/// An office has hundreds: one after the other is made to shine alone.
+static void any_number_of_lights_is_relit(void **state)
+{
+    enum { lamps = 80 };
+    fixture *f = *state;
+    static char name[lamps][16];
+    rsv_scene *scene = new_scene(f->context);
+    rsv_punctual_light light = add_luminaire(scene, print_cosine("0 0 0"));
+    add_quad(scene, add_material(scene, 0.5f, false), floor_corner);
+    for (int k = 0; k < lamps; k++) {
+        snprintf(name[k], sizeof name[k], "lamp %d", k);
+        light.name = name[k];
+        light.position = v3(-1.9f + 0.025f * (float)k, 2, 0.3f * (float)(k % 7) - 1);
+        ok(rsv_scene_add_light(scene, &light));
+    }
+    ok(rsv_scene_commit(scene));
+    rsv_light *solved = solve(scene);
+    rsv_light_scale scale[lamps];
+    for (int alone = 3; alone < lamps; alone += 30) {
+        rsv_relighter *relighter;
+        ok(rsv_relighter_create(solved, &relighter));
+        for (int k = 0; k < lamps; k++)
+            scale[k] = (rsv_light_scale){ name[k], rgb_gray(k == alone ? 1 : 0) };
+        ok(rsv_relighter_change(
+            relighter, &(rsv_relight_desc){ .light = scale, .light_count = lamps }));
+        ok(rsv_relighter_settle(relighter));
+        rsv_vec3 lamp = v3(-1.9f + 0.025f * (float)alone, 2, 0.3f * (float)(alone % 7) - 1);
+        check_floor(solved, lamp, v3(0, -1, 0), 1, 0.04); // noise of the whole, whose lights are drawn
+        ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ 0 }));
+        ok(rsv_relighter_settle(relighter));
+        rsv_relighter_destroy(relighter);
+    }
+    rsv_light_destroy(solved);
+    rsv_scene_destroy(scene);
+}
+
 // ---- names and files --------------------------------------------------------------------------------
 
 static rsv_scene *room_with(rsv_context *context, const char *opening)
@@ -384,6 +480,9 @@ int main(void)
             fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             light_is_reflected_by_mirrors, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(relighting_dims_and_aims, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            any_number_of_lights_is_relit, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(files_keep_luminaires, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             lights_and_objects_are_found_by_name, fixture_setup, fixture_teardown),
