@@ -119,6 +119,29 @@ static rsv_vec3 place_of_added(const char *item, const rsv_scene *scene)
     return (rsv_vec3){ (float)at[0], (float)at[1], (float)at[2] };
 }
 
+/// Moves and directions. @param names how many of s->name are taken
+static bool read_places(settings *s, size_t *names)
+{
+    float v[4];
+    for (size_t k = 0; k < s->moves.count; k++) {
+        char *name = s->name[(*names)++] = strdup(s->moves.item[k]);
+        if (!name || cli_cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--move: '%s' is not NAME=X,Y,Z", s->moves.item[k]);
+            return false;
+        }
+        s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
+    }
+    for (size_t k = 0; k < s->aims.count; k++) {
+        char *name = s->name[(*names)++] = strdup(s->aims.item[k]);
+        if (!name || cli_cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--aim: '%s' is not NAME=X,Y,Z", s->aims.item[k]);
+            return false;
+        }
+        s->aim[k] = (rsv_light_aim){ name, { v[0], v[1], v[2] } };
+    }
+    return true;
+}
+
 /// The changes that options ask for; false after saying what is wrong.
 static bool read_changes(settings *s)
 {
@@ -144,22 +167,7 @@ static bool read_changes(settings *s)
         }
         s->albedo[k] = (rsv_albedo_change){ name, { v[0], v[1], v[2] } };
     }
-    for (size_t k = 0; k < s->moves.count; k++) {
-        char *name = s->name[names++] = strdup(s->moves.item[k]);
-        if (!name || cli_cut_change(name, v) != 3) {
-            cli_usage_error("relight", "--move: '%s' is not NAME=X,Y,Z", s->moves.item[k]);
-            return false;
-        }
-        s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
-    }
-    for (size_t k = 0; k < s->aims.count; k++) {
-        char *name = s->name[names++] = strdup(s->aims.item[k]);
-        if (!name || cli_cut_change(name, v) != 3) {
-            cli_usage_error("relight", "--aim: '%s' is not NAME=X,Y,Z", s->aims.item[k]);
-            return false;
-        }
-        s->aim[k] = (rsv_light_aim){ name, { v[0], v[1], v[2] } };
-    }
+    if (!read_places(s, &names)) return false;
     for (size_t k = 0; k < s->added.count; k++) {
         char *name = s->name[names++] = strdup(s->added.item[k]);
         if (!name || cli_cut_change(name, v) != 4 || v[3] < 0) {

@@ -14,6 +14,7 @@ int cli_render(int argc, char **argv);
 int cli_bake(int argc, char **argv);
 int cli_probe(int argc, char **argv);
 int cli_daylight(int argc, char **argv);
+int cli_fit(int argc, char **argv);
 int cli_certify(int argc, char **argv);
 int cli_compare(int argc, char **argv);
 int cli_layers(int argc, char **argv);

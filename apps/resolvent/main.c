@@ -25,6 +25,7 @@ static const command commands[] = {
     { "view", cli_view, "a window onto the light of a scene, or frames of one by a script" },
     { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
     { "daylight", cli_daylight, "daylight at sensors over a year of weather, for reports" },
+    { "fit", cli_fit, "strengths of lights that meet wanted lux at least power" },
     { "certify", cli_certify, "how wrong the solved light of a scene is: a bound and an estimate" },
     { "compare", cli_compare, "how one picture differs from another" },
     { "layers", cli_layers, "the layers of a picture side by side" },

@@ -118,8 +118,10 @@ static size_t replace_lights(
 /// Primitives of one mesh are objects of one name in one place.
 static bool is_same_object(const rsv_instance *a, const rsv_instance *b)
 {
-    return strcmp(a->name, b->name) == 0 &&
-           memcmp(a->transform, b->transform, sizeof a->transform) == 0;
+    bool same = strcmp(a->name, b->name) == 0;
+    for (int k = 0; same && k < 16; k++)
+        same = a->transform[k] == b->transform[k];
+    return same;
 }
 
 /// At the origins of objects.
