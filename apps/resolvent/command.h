@@ -19,6 +19,7 @@ int cli_certify(int argc, char **argv);
 int cli_compare(int argc, char **argv);
 int cli_layers(int argc, char **argv);
 int cli_falsecolor(int argc, char **argv);
+int cli_glare_command(int argc, char **argv);
 int cli_sheet(int argc, char **argv);
 int cli_scene(int argc, char **argv);
 int cli_info(int argc, char **argv);

@@ -31,6 +31,7 @@ static const command commands[] = {
     { "layers", cli_layers, "the layers of a picture side by side" },
     { "falsecolor", cli_falsecolor,
         "the luminance of a picture in colours, with a scale in cd/m2" },
+    { "glare", cli_glare_command, "glare of a fisheye view: DGP and UGR" },
     { "sheet", cli_sheet, "pictures side by side" },
     { "scene", cli_scene, "write a built-in scene as a .glb file" },
     { "info", cli_info, "what a scene holds: counts, bounds, materials, lights, cameras" },
