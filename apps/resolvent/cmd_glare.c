@@ -6,8 +6,7 @@
 
 #include "resolvent/image.h"
 
-#include <cjson/cJSON.h>
-
+#include <cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -24,6 +24,11 @@ refuses 1 'not above 0' falsecolor f.exr -o "$out/f.png" --log --min 0
 refuses 1 'missing.exr' falsecolor missing.exr -o "$out/f.png"
 refuses 2 'missing' falsecolor f.exr
 
+printf '0 point 0.5 0.4\n2 point 0.2 0.8\n' >point.txt
+succeeds view furnace --script point.txt --record frames --size 64x48 "${draft[@]:0:2}" --max-elements 400
+says 'frame 0: 0.5 0.4: 1366 lux'
+says 'frame 2: 0.2 0.8: 1366 lux'
+
 # Glare of views drawn from closed forms: a disk of 20,000 cd/m2 and 2 degrees before 100 cd/m2, 25 degrees up or 20 down.
 succeeds render furnace -o eye.exr --projection fisheye --size 200x200 "${draft[@]:0:2}" --max-elements 400 --spp 1
 succeeds glare eye.exr
