@@ -23,6 +23,11 @@ refuses 1 'not below the top' falsecolor f.exr -o "$out/f.png" --max 1 --min 2
 refuses 1 'not above 0' falsecolor f.exr -o "$out/f.png" --log --min 0
 refuses 1 'missing.exr' falsecolor missing.exr -o "$out/f.png"
 refuses 2 'missing' falsecolor f.exr
+succeeds solve furnace -o f.safetensors "${draft[@]:0:2}" --max-elements 400 --threads 2
+succeeds falsecolor f.safetensors -o "$out/i.png" --size 40x64 --min 0 --max 2000
+[[ $(head -c 24 "$out/i.png" | tail -c 8 | od -An -tu1 | tr -s ' ') == ' 0 0 0 136 0 0 0 64' ]] || complain "size of the isolux picture"
+rm -f "$out"/*
+refuses 1 "no camera 'x'" falsecolor f.safetensors -o "$out/i.png" --camera x
 
 printf '0 point 0.5 0.4\n2 point 0.2 0.8\n' >point.txt
 succeeds view furnace --script point.txt --record frames --size 64x48 "${draft[@]:0:2}" --max-elements 400
