@@ -85,6 +85,35 @@ refuses 1 'does not say what is wanted' fit room.safetensors --wanted below.csv 
 refuses 1 'lux is not a finite number' fit room.safetensors --wanted <(printf 'x,y,z,nx,ny,nz,lux\n0,0,0,0,1,0,much\n') -o "$out/f.csv"
 refuses 2 'above --most' fit room.safetensors --wanted wanted.csv -o "$out/f.csv" --least 2
 refuses 1 "no light 'moon'" fit room.safetensors --wanted wanted.csv -o "$out/f.csv" --keep moon
+# UGR of an observer before surroundings of 683 cd/m2: a panel that hangs, and one behind the eye
+sed 's/^1 -1 1 91 1 1 2 .*/1 -1 1 91 1 1 2 0.6 0.6 0/' lamp.ies >panel.ies
+python3 - <<'PYTHON'
+import json
+scene = json.load(open("room.gltf"))
+del scene["extensions"], scene["extensionsUsed"]
+scene["scenes"][0]["nodes"] = [0, 1, 2]
+scene["nodes"] = [{"mesh": 0, "translation": [0, -500, 0]}, {"name": "hook", "translation": [0.5, 1.5, -3]},
+                  {"name": "behind", "translation": [0.5, 1.5, 3]}]
+json.dump(scene, open("open.gltf", "w"))
+PYTHON
+printf '0,0,0,0,0,-1\n' >eye.csv
+succeeds glare open.gltf --observers eye.csv -o ugr.csv --env white "${draft[@]}" --luminaire hook=panel.ies \
+    --luminaire behind=panel.ies
+python3 - <<'PYTHON' || complain "UGR: $(cat ugr.csv)"
+from math import *
+x, y, z = 0.5, 1.5, 3
+r2 = x * x + y * y + z * z
+cosine = y / sqrt(r2)
+tau, sigma = degrees(acos(y / hypot(x, y))), degrees(acos(z / sqrt(r2)))
+P = exp((35.2 - 0.31889 * tau - 1.22 * exp(-2 * tau / 9)) * 1e-3 * sigma +
+        (21 + 0.26667 * tau - 0.002963 * tau ** 2) * 1e-5 * sigma ** 2)
+L, w = 683 / 0.36, 0.36 * cosine / r2
+ugr = 8 * log10(0.25 / 683 * L * L * w / P ** 2)
+found = open("ugr.csv").read().split("\n")[1].split(",")
+assert found[9] == "1" and abs(float(found[6]) - ugr) < 0.02, (found, ugr)
+assert abs(float(found[7]) / 683 - 1) < 0.01, found
+PYTHON
+refuses 2 'OUT.csv is missing' glare open.gltf --observers eye.csv
 refuses 1 'cannot be turned' relight room.safetensors --aim bulb=0,0,0 -o "$out/a.png"
 refuses 1 "neither a light nor an object is called 'lamp'" render room.gltf -o "$out/a.png" --luminaire lamp=lamp.ies
 refuses 1 'NAME=FILE' render room.gltf -o "$out/a.png" --luminaire lamp
