@@ -3,21 +3,26 @@
 #include "options.h"
 #include "photometry.h"
 #include "session.h"
+#include "subject.h"
 #include "view/view_canvas.h"
 
 #include "resolvent/image.h"
+#include "resolvent/render.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 static const char help[] =
-    "usage: resolvent falsecolor IN.{exr,hdr} -o OUT.png [options]\n"
+    "usage: resolvent falsecolor IN.{exr,hdr,safetensors} -o OUT.png [options]\n"
     "\n"
     "Shows the luminance of a picture in colours, with a scale in cd/m2: 683 lm/W times the "
     "luminance "
     "of\n"
     "its radiance, CIE 1931 Y. Lines join places of the luminances that the scale names.\n"
+    "Of a file of `resolvent solve` or `relight`, the illuminance on surfaces in lux, with isolux "
+    "lines, as a\n"
+    "camera sees them.\n"
     "\n"
     "  -o FILE            the picture\n"
     "  --max CD           luminance at the top of the scale (default: the brightest 0.1 % are "
@@ -25,16 +30,20 @@ static const char help[] =
     "  --min CD           at its foot (default: 0; with --log a thousandth of the top)\n"
     "  --log              colours by the logarithm\n"
     "  --lines N          values on the scale, and lines for them (default 8; 0 = no lines)\n"
+    "  --camera NAME      of an operator file (default: the first)\n"
+    "  --size WxH         likewise (default: 512 on the longer side, in the camera's aspect)\n"
     "  --efficacy LM/W    other than 683, such as 179 for pictures made with that\n"
     "\n"
     "examples:\n"
     "  resolvent render office.glb -o office.exr\n"
-    "  resolvent falsecolor office.exr -o office-luminance.png --max 5000 --log\n";
+    "  resolvent falsecolor office.exr -o office-luminance.png --max 5000 --log\n"
+    "  resolvent falsecolor office.safetensors --camera plan --max 1000 --lines 10 -o isolux.png\n";
 
 enum { scale_width = 96, bar_left = 12, bar_width = 18, least_height = 64, most_lines = 32 };
 
 typedef struct settings {
-    const char *input, *output;
+    const char *input, *output, *camera;
+    cli_size size;
     float least, most, efficacy; ///< NAN = not given
     uint32_t lines;
     bool logarithmic;
@@ -44,6 +53,7 @@ typedef struct settings {
 typedef struct luminance_scale {
     double least, most;
     bool logarithmic;
+    const char *unit;
 } luminance_scale;
 
 /// Place on the scale, from 0 to 1 and beyond.
@@ -148,7 +158,7 @@ static void draw_scale(
         for (uint32_t k = 0; k < bar_width; k++)
             paint(canvas->pixel[(size_t)y * canvas->width + left + bar_left + k],
                 ((double)foot - y) / (double)(foot - head));
-    cli_draw_text(canvas, x + bar_left, 16, size, "cd/m2", black);
+    cli_draw_text(canvas, x + bar_left, 16, size, scale->unit, black);
     uint32_t step = 1 + (uint32_t)((float)values * 14 / (foot - head));
     for (uint32_t k = 0; k <= values; k += step) {
         char text[32];
@@ -174,12 +184,19 @@ static rsv_status to_image(rsv_context *context, const cli_canvas *canvas, rsv_i
     return status;
 }
 
-/// Turns luminances into places, and draws.
-static rsv_status draw(
-    cli_session *session, const settings *s, const rsv_image *in, float *luminance)
+/// What is to be shown.
+typedef struct field {
+    uint32_t width, height;
+    float *value; ///< [height * width]
+    const char *unit;
+} field;
+
+/// Turns values into places, and draws.
+static rsv_status draw(cli_session *session, const settings *s, const field *in)
 {
-    uint32_t width = rsv_image_width(in), height = rsv_image_height(in);
-    luminance_scale scale;
+    uint32_t width = in->width, height = in->height;
+    float *luminance = in->value;
+    luminance_scale scale = { .unit = in->unit };
     if (!choose_scale(s, luminance, (size_t)width * height, &scale)) return RSV_ERROR_CANCELLED;
     rsv_image *out = NULL;
     cli_canvas canvas = { width + scale_width, height > least_height ? height : least_height,
@@ -199,29 +216,75 @@ static rsv_status draw(
     return status;
 }
 
-static int run(cli_session *session, const settings *s)
+static bool make_room(field *f)
+{
+    f->value = calloc((size_t)f->width * f->height, sizeof *f->value);
+    if (!f->value) cli_error("out of memory for %u x %u pixels", f->width, f->height);
+    return f->value != NULL;
+}
+
+/// Luminances of a picture.
+static bool read_picture(cli_session *session, const settings *s, field *f)
 {
     rsv_image *image = NULL;
     rsv_status status = rsv_image_read(session->context, s->input, &image);
-    if (status != RSV_OK) return cli_report_failure(session, status);
-    size_t count = (size_t)rsv_image_width(image) * rsv_image_height(image);
-    float *luminance = calloc(count, sizeof *luminance);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    if (status != RSV_OK) return false;
+    *f = (field){ rsv_image_width(image), rsv_image_height(image), NULL, "cd/m2" };
     const rsv_rgb *pixel = rsv_image_const_pixels(image, 0);
     double scale = (double)s->efficacy / CLI_LUMINOUS_EFFICACY;
-    for (size_t k = 0; luminance && k < count; k++) {
+    bool good = make_room(f);
+    for (size_t k = 0; good && k < (size_t)f->width * f->height; k++) {
         double value = scale * cli_luminous(pixel[k]);
-        luminance[k] = isfinite(value) && value > 0 ? (float)fmin(value, 1e30) : 0;
+        f->value[k] = isfinite(value) && value > 0 ? (float)fmin(value, 1e30) : 0;
     }
-    int exit_status = CLI_FAILURE;
-    if (!luminance) cli_error("out of memory for %zu pixels", count);
-    if (luminance) status = draw(session, s, image, luminance);
-    if (luminance && status == RSV_OK)
-        exit_status = CLI_SUCCESS;
-    else if (luminance && status != RSV_ERROR_CANCELLED)
-        cli_report_failure(session, status);
-    free(luminance);
     rsv_image_destroy(image);
-    return exit_status;
+    return good;
+}
+
+/// Illuminance on what a camera sees.
+static void read_surfaces(const settings *s, const rsv_light *light, const rsv_camera *camera, field *f)
+{
+    double scale = (double)s->efficacy / CLI_LUMINOUS_EFFICACY;
+    for (uint32_t y = 0; y < f->height; y++)
+        for (uint32_t x = 0; x < f->width; x++) {
+            rsv_rgb irradiance;
+            const float place[2] = { ((float)x + 0.5f) / (float)f->width,
+                ((float)y + 0.5f) / (float)f->height };
+            rsv_read_picture_point(light, camera, f->width, f->height, place, &irradiance);
+            f->value[(size_t)y * f->width + x] = (float)(scale * cli_luminous(irradiance));
+        }
+}
+
+static bool read_operator(cli_session *session, const settings *s, field *f)
+{
+    cli_subject subject = { 0 };
+    if (!cli_open_subject(session, s->input, NULL, &subject)) return false;
+    uint32_t index = rsv_scene_find_camera(subject.scene, s->camera);
+    bool good = index != RSV_NONE;
+    if (!good)
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->input,
+            s->camera ? s->camera : "", s->input);
+    if (good) {
+        const rsv_camera *camera = &rsv_scene_get_view(subject.scene)->camera[index];
+        cli_size size = s->size.width ? s->size : cli_default_size(camera);
+        *f = (field){ size.width, size.height, NULL, "lux" };
+        good = make_room(f);
+        if (good) read_surfaces(s, subject.solution, camera, f);
+    }
+    cli_close_subject(&subject);
+    return good;
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    field f = { 0 };
+    bool good = rsv_is_operator_file(s->input) ? read_operator(session, s, &f)
+                                               : read_picture(session, s, &f);
+    rsv_status status = good ? draw(session, s, &f) : RSV_ERROR_CANCELLED;
+    if (status != RSV_OK && status != RSV_ERROR_CANCELLED) cli_report_failure(session, status);
+    free(f.value);
+    return status == RSV_OK ? CLI_SUCCESS : CLI_FAILURE;
 }
 
 int cli_falsecolor(int argc, char **argv)
@@ -235,10 +298,12 @@ int cli_falsecolor(int argc, char **argv)
         { .name = "--min", .kind = CLI_REAL, .value = &s.least, .min = 0, .max = 1e12 },
         { .name = "--log", .kind = CLI_FLAG, .value = &s.logarithmic },
         { .name = "--lines", .kind = CLI_COUNT, .value = &s.lines, .max = most_lines },
+        { .name = "--camera", .kind = CLI_TEXT, .value = &s.camera },
+        { .name = "--size", .kind = CLI_SIZE, .value = &s.size, .min = 1, .max = 16384 },
         { .name = "--efficacy", .kind = CLI_REAL, .value = &s.efficacy, .min = 1e-3, .max = 1e6 },
         { .name = NULL },
     };
-    const cli_usage usage = { "falsecolor", help, options, "IN.exr", 1, 1 };
+    const cli_usage usage = { "falsecolor", help, options, "IN", 1, 1 };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
     if (!s.output) return cli_usage_error("falsecolor", "-o OUT.png is missing");

@@ -222,6 +222,11 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
         add_rgb(item, "intensity", light->intensity);
         if (facts.has_place) add_point(item, "position", light->position, view->origin);
         if (facts.has_direction) add_vec3(item, "direction", light->direction);
+        if (facts.has_place)
+            cJSON_AddNumberToObject(item, "lumens", rsv_punctual_lumens(view, light));
+        if (light->kind == RSV_PUNCTUAL_LUMINAIRE)
+            cJSON_AddStringToObject(
+                item, "luminaire", view->luminaire[light->luminaire].name);
     }
 }
 
@@ -453,6 +458,9 @@ static void print_lights(const rsv_scene_view *view)
         print_node(view->light_node[i], light->name);
         printf("  %s", facts.name);
         print_rgb(facts.has_place ? "W/sr" : "W/m2", light->intensity);
+        if (light->kind == RSV_PUNCTUAL_LUMINAIRE)
+            printf("  '%s', %.4g lm", view->luminaire[light->luminaire].name,
+                rsv_punctual_lumens(view, light));
         putchar('\n');
     }
 }

@@ -37,6 +37,7 @@ static const char help[] =
     "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
     "their\n"
     "                     triangles along\n"
+    "  --aim NAME=X,Y,Z   a spot light, luminaire or directional light that shines along X,Y,Z\n"
     "  --add NAME=X,Y,Z,I a point light of I W/sr at a place of the scene; --light NAME=1,R,G,B "
     "colours it\n"
     "  --env-intensity S  multiply the surroundings by S\n"
@@ -44,7 +45,8 @@ static const char help[] =
     "above\n"
     "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
     "                     Lines of FRAME light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
-    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z place.object=X,Y,Z\n"
+    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z aim.NAME=X,Y,Z\n"
+    "                     place.object=X,Y,Z env-rotate=DEG env-intensity=S;\n"
     "                     env-rotate=DEG env-intensity=S;\n"
     "                     what lies between two lines changes evenly. Where strengths and colours\n"
     "                     of lights alone change, what each light shows is rendered once, and\n"
@@ -75,7 +77,7 @@ static const char *const mode_names[] = {
 
 typedef struct settings {
     const char *scene, *camera, *stats, *script, *object;
-    cli_list outputs, lights, albedos, moves, added;
+    cli_list outputs, lights, albedos, moves, aims, added;
     cli_size size;
     int mode, device;
     uint32_t samples, threads, seed;
@@ -86,8 +88,9 @@ typedef struct settings {
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_light_move move[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
+    rsv_light_aim aim[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_punctual_light add[CLI_LIST_CAPACITY];
-    char *name[4 * CLI_LIST_CAPACITY]; ///< owned copies for the four above
+    char *name[5 * CLI_LIST_CAPACITY]; ///< owned copies for the five above
     rsv_relight_desc still;            ///< what options ask for
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
@@ -120,6 +123,29 @@ static rsv_vec3 place_of_added(const char *item, const rsv_scene *scene)
     return (rsv_vec3){ (float)at[0], (float)at[1], (float)at[2] };
 }
 
+/// Moves and directions. @param names how many of s->name are taken
+static bool read_places(settings *s, size_t *names)
+{
+    float v[4];
+    for (size_t k = 0; k < s->moves.count; k++) {
+        char *name = s->name[(*names)++] = strdup(s->moves.item[k]);
+        if (!name || cli_cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--move: '%s' is not NAME=X,Y,Z", s->moves.item[k]);
+            return false;
+        }
+        s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
+    }
+    for (size_t k = 0; k < s->aims.count; k++) {
+        char *name = s->name[(*names)++] = strdup(s->aims.item[k]);
+        if (!name || cli_cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--aim: '%s' is not NAME=X,Y,Z", s->aims.item[k]);
+            return false;
+        }
+        s->aim[k] = (rsv_light_aim){ name, { v[0], v[1], v[2] } };
+    }
+    return true;
+}
+
 /// The changes that options ask for; false after saying what is wrong.
 static bool read_changes(settings *s)
 {
@@ -145,14 +171,7 @@ static bool read_changes(settings *s)
         }
         s->albedo[k] = (rsv_albedo_change){ name, { v[0], v[1], v[2] } };
     }
-    for (size_t k = 0; k < s->moves.count; k++) {
-        char *name = s->name[names++] = strdup(s->moves.item[k]);
-        if (!name || cli_cut_change(name, v) != 3) {
-            cli_usage_error("relight", "--move: '%s' is not NAME=X,Y,Z", s->moves.item[k]);
-            return false;
-        }
-        s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
-    }
+    if (!read_places(s, &names)) return false;
     for (size_t k = 0; k < s->added.count; k++) {
         char *name = s->name[names++] = strdup(s->added.item[k]);
         if (!name || cli_cut_change(name, v) != 4 || v[3] < 0) {
@@ -176,6 +195,8 @@ static bool read_changes(settings *s)
         .albedo_count = s->albedos.count,
         .move = s->move,
         .move_count = s->moves.count,
+        .aim = s->aim,
+        .aim_count = s->aims.count,
         .turn = turn,
         .rotation = turn ? s->env_rotate : 0 };
     return true;
@@ -199,6 +220,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--light", .kind = CLI_LIST, .value = &s->lights },
         { .name = "--albedo", .kind = CLI_LIST, .value = &s->albedos },
         { .name = "--move", .kind = CLI_LIST, .value = &s->moves },
+        { .name = "--aim", .kind = CLI_LIST, .value = &s->aims },
         { .name = "--add", .kind = CLI_LIST, .value = &s->added },
         { .name = "--env-intensity", .kind = CLI_REAL, .value = &s->env_intensity, .max = 1e6 },
         { .name = "--env-rotate",
@@ -259,6 +281,8 @@ static void enter_frame(settings *s, uint32_t frame)
         else if (track->kind == CLI_TRACK_MOVE)
             s->move[s->relight.move_count++] =
                 (rsv_light_move){ track->name, { v[0], v[1], v[2] } };
+        else if (track->kind == CLI_TRACK_AIM)
+            s->aim[s->relight.aim_count++] = (rsv_light_aim){ track->name, { v[0], v[1], v[2] } };
         else if (track->kind == CLI_TRACK_PLACE)
             s->place = (rsv_vec3){ v[0], v[1], v[2] };
         else if (track->kind == CLI_TRACK_INTENSITY)

@@ -5,6 +5,7 @@
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
+#include "photometry.h"
 #include "subject.h"
 #include "view/view_hud.h"
 #include "view/view_script.h"
@@ -84,6 +85,7 @@ typedef struct viewer {
     uint32_t frame, frame_count; ///< so far; at most
     double *time_ms;             ///< [time_count] of frames, for the statistics
     size_t time_count;
+    float told[2]; ///< where lux were said last
 } viewer;
 
 enum { CLI_VIEW_MOST_TIMES = 100000 };
@@ -373,6 +375,23 @@ static void note_quality(viewer *v)
     v->show.message[0] = '\0';
 }
 
+/// Lux at the place that was pointed at; a script says it once for each new place.
+static void read_pointer(viewer *v)
+{
+    rsv_rgb irradiance;
+    const float *place = v->state.pointer;
+    v->hud.reading[0] = '\0';
+    if (!v->state.points || v->state.stereo || !cli_show_is_lit(&v->show)) return;
+    if (rsv_read_picture_point(v->show.lit.light, &v->state.camera, v->canvas.width,
+            v->canvas.height, place, &irradiance))
+        snprintf(v->hud.reading, sizeof v->hud.reading, "%.4g lux", cli_luminous(irradiance));
+    bool told = v->told[0] == place[0] && v->told[1] == place[1];
+    if (!v->script.path || told) return;
+    printf("frame %u: %g %g: %s\n", v->frame, (double)place[0], (double)place[1],
+        v->hud.reading[0] ? v->hud.reading : "no surface that stores light");
+    v->told[0] = place[0], v->told[1] = place[1];
+}
+
 /// Scripts begin with the first light, or, where they do more than to move about, with the best one.
 static bool can_run_script(const viewer *v)
 {
@@ -386,6 +405,7 @@ static bool run_frame(viewer *v)
     bool waits = v->script.path && !can_run_script(v);
     if ((!waits && !run_script(v)) || !make_frame(v, &timing) || !save_wanted(v)) return false;
     note_quality(v);
+    read_pointer(v);
     note_time(v, &timing);
     cli_view_hud_note(&v->hud, &timing);
     cli_view_hud_draw(&v->hud, &v->state, &v->canvas);
@@ -466,7 +486,7 @@ int cli_view(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
-    viewer v = { .settings = &s, .session = &session };
+    viewer v = { .settings = &s, .session = &session, .told = { -1, -1 } };
     bool good = open_viewer(&v);
     cli_progress_clear(&session.progress);
     session.progress.muted = true; // from here on frames show how far things are

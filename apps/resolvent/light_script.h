@@ -19,6 +19,7 @@ typedef enum cli_track_kind {
     CLI_TRACK_LIGHT,     ///< light.NAME=SCALE, =R,G,B or =SCALE,R,G,B: three factors
     CLI_TRACK_ALBEDO,    ///< albedo.MATERIAL=R,G,B
     CLI_TRACK_MOVE,      ///< move.NAME=X,Y,Z
+    CLI_TRACK_AIM,       ///< aim.NAME=X,Y,Z
     CLI_TRACK_PLACE,     ///< place.object=X,Y,Z
     CLI_TRACK_INTENSITY, ///< env-intensity=S
     CLI_TRACK_ROTATION   ///< env-rotate=DEG

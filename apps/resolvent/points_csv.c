@@ -13,6 +13,7 @@
 enum { value_count = 6, column_limit = 64 };
 
 static const char *const value_names[value_count] = { "x", "y", "z", "nx", "ny", "nz" };
+static const char *const wanted_names[CLI_WANTED_COLUMNS] = { "lux", "r", "g", "b", "weight" };
 
 /// Where a line comes from, for messages.
 typedef struct csv_line {
@@ -24,6 +25,7 @@ typedef struct csv_line {
 /// Which column holds which value.
 typedef struct csv_columns {
     size_t of_value[value_count];
+    size_t of_wanted[CLI_WANTED_COLUMNS]; ///< where there is such a column
     size_t count;
     bool named; ///< by a header: further columns are allowed
 } csv_columns;
@@ -68,9 +70,15 @@ static bool is_header(char *const cells[], size_t count)
     return false;
 }
 
-static bool read_header(
-    const csv_line *line, char *const cells[], size_t count, csv_columns *columns)
+static bool read_header(const csv_line *line, char *const cells[], size_t count,
+    csv_columns *columns, cli_points *points)
 {
+    for (size_t wanted = 0; wanted < CLI_WANTED_COLUMNS; wanted++)
+        for (size_t i = 0; i < count; i++) {
+            if (strcmp(cells[i], wanted_names[wanted]) != 0) continue;
+            columns->of_wanted[wanted] = i;
+            points->has[wanted] = true;
+        }
     columns->named = true;
     columns->count = count;
     for (size_t value = 0; value < value_count; value++) {
@@ -83,7 +91,8 @@ static bool read_header(
     return true;
 }
 
-static bool append_point(cli_points *points, const double given[value_count])
+static bool append_point(cli_points *points, const double given[value_count],
+    const double wanted[CLI_WANTED_COLUMNS])
 {
     if (points->count == points->capacity) {
         size_t capacity = points->capacity ? 2 * points->capacity : 1024;
@@ -91,12 +100,15 @@ static bool append_point(cli_points *points, const double given[value_count])
         if (probe) points->probe = probe;
         void *values = realloc(points->given, capacity * sizeof *points->given);
         if (values) points->given = values;
-        if (!probe || !values) return false;
+        void *extra = realloc(points->wanted, capacity * sizeof *points->wanted);
+        if (extra) points->wanted = extra;
+        if (!probe || !values || !extra) return false;
         points->capacity = capacity;
     }
     points->probe[points->count] =
         (rsv_probe){ { (float)given[0], (float)given[1], (float)given[2] },
             { (float)given[3], (float)given[4], (float)given[5] } };
+    memcpy(points->wanted[points->count], wanted, CLI_WANTED_COLUMNS * sizeof *wanted);
     memcpy(points->given[points->count++], given, value_count * sizeof *given);
     return true;
 }
@@ -104,7 +116,7 @@ static bool append_point(cli_points *points, const double given[value_count])
 static bool read_point(const csv_line *line, char *const cells[], size_t count,
     const csv_columns *columns, cli_points *points)
 {
-    double given[value_count];
+    double given[value_count], wanted[CLI_WANTED_COLUMNS] = { 0 };
     if (count < columns->count || (count > columns->count && !columns->named)) {
         char detail[64];
         snprintf(detail, sizeof detail, "%zu columns, expected %zu", count, columns->count);
@@ -115,12 +127,18 @@ static bool read_point(const csv_line *line, char *const cells[], size_t count,
         complain(line, value_names[value], " is not a finite number");
         return false;
     }
+    for (size_t k = 0; k < CLI_WANTED_COLUMNS; k++) {
+        if (!points->has[k] || read_value(cells[columns->of_wanted[k]], &wanted[k])) continue;
+        if (!points->needs_wanted) continue;
+        complain(line, wanted_names[k], " is not a finite number");
+        return false;
+    }
     // the length is taken in float, as the library will: it must neither vanish nor overflow there
     float nx = (float)given[3], ny = (float)given[4], nz = (float)given[5];
     float squared_length = nx * nx + ny * ny + nz * nz;
     if (!(squared_length >= FLT_MIN && squared_length <= FLT_MAX))
         return complain(line, "the normal nx,ny,nz has no usable length; ", "give a direction");
-    return append_point(points, given) || complain(line, "out of memory", "");
+    return append_point(points, given, wanted) || complain(line, "out of memory", "");
 }
 
 static bool read_line(csv_line *line, csv_columns *columns, bool *first, cli_points *points)
@@ -131,7 +149,7 @@ static bool read_line(csv_line *line, csv_columns *columns, bool *first, cli_poi
     size_t count = split_cells(line->text, cells);
     bool header = *first && is_header(cells, count);
     *first = false;
-    return header ? read_header(line, cells, count, columns)
+    return header ? read_header(line, cells, count, columns, points)
                   : read_point(line, cells, count, columns, points);
 }
 
@@ -172,7 +190,7 @@ bool cli_read_points(const char *path, cli_points *points)
     static const char byte_order_mark[] = "\xef\xbb\xbf";
     char *rest = strncmp(text, byte_order_mark, 3) == 0 ? text + 3 : text;
     csv_line line = { .path = path };
-    csv_columns columns = { { 0, 1, 2, 3, 4, 5 }, value_count, false };
+    csv_columns columns = { .of_value = { 0, 1, 2, 3, 4, 5 }, .count = value_count };
     bool first = true, good = true;
     while (good && rest) {
         line.text = strsep(&rest, "\n");
@@ -201,6 +219,7 @@ void cli_free_points(cli_points *points)
 {
     free(points->probe);
     free(points->given);
+    free(points->wanted);
     *points = (cli_points){ 0 };
 }
 

@@ -4,16 +4,29 @@
 
 #include "resolvent/render.h"
 
+/// Columns that say what light is wanted at a point.
+typedef enum cli_wanted {
+    CLI_WANTED_LUX,
+    CLI_WANTED_R,
+    CLI_WANTED_G,
+    CLI_WANTED_B,
+    CLI_WANTED_WEIGHT,
+    CLI_WANTED_COLUMNS
+} cli_wanted;
+
 /// The points of a file, as probes and with the digits they came in.
 typedef struct cli_points {
     rsv_probe *probe;   ///< [count]
     double (*given)[6]; ///< [count] x, y, z, nx, ny, nz
     size_t count, capacity;
+    double (*wanted)[CLI_WANTED_COLUMNS]; ///< [count] of the columns that there are
+    bool has[CLI_WANTED_COLUMNS];
+    bool needs_wanted; ///< set before reading: what is wrong in those columns counts
 } cli_points;
 
 /// Reads lines of x,y,z,nx,ny,nz. A first line of names may order the columns differently and name
 /// others, which are skipped; empty lines and lines that start with '#' are skipped. Says on standard
-/// error which line is wrong, and why.
+/// error which line is wrong, and why. Of other columns, those of cli_wanted are kept: lux, r, g, b, weight.
 bool cli_read_points(const char *path, cli_points *points);
 void cli_free_points(cli_points *points);
 

@@ -161,7 +161,8 @@ const char *cli_reading_given(const cli_reading *reading)
            : reading->two_sided ? "--two-sided"
            : reading->emit      ? "--emit"
            : reading->variant   ? "--variant"
-                                : NULL;
+           : reading->luminaires.count ? "--luminaire"
+                                       : NULL;
 }
 
 bool cli_session_begin(cli_session *session, uint32_t threads)
@@ -195,6 +196,8 @@ void cli_session_end(cli_session *session)
     rsv_context_destroy(session->context);
     forget(&session->warnings);
     forget(&session->notes);
+    for (size_t k = 0; k < session->luminaire_count; k++)
+        free((void *)session->luminaire[k].name);
     *session = (cli_session){ 0 };
 }
 
@@ -248,11 +251,13 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
-/// Built-in scenes are as they are.
+/// Built-in scenes are as they are, but for luminaires.
 static void warn_of_reading(cli_session *session)
 {
     char line[64];
-    const char *given = cli_reading_given(&session->reading);
+    cli_reading others = session->reading;
+    others.luminaires.count = 0;
+    const char *given = cli_reading_given(&others);
     if (!given) return;
     snprintf(line, sizeof line, "%s does nothing to built-in scenes", given);
     cli_warn(session, line);
@@ -271,6 +276,24 @@ static bool check_kind(const cli_session *session, const char *name, bool is_fil
     return false;
 }
 
+/// NAME=FILE of every --luminaire; false after saying what is wrong.
+static bool read_luminaires(cli_session *session)
+{
+    const cli_list *given = &session->reading.luminaires;
+    for (size_t k = session->luminaire_count; k < given->count; k++) {
+        const char *cut = strchr(given->item[k], '=');
+        if (!cut || cut == given->item[k] || !cut[1]) {
+            cli_error("--luminaire: '%s' is not NAME=FILE", given->item[k]);
+            return false;
+        }
+        char *name = strndup(given->item[k], (size_t)(cut - given->item[k]));
+        session->luminaire[k] = (rsv_load_luminaire){ name, cut + 1 };
+        session->luminaire_count = k + 1;
+        if (!name) return false;
+    }
+    return true;
+}
+
 rsv_load_desc cli_describe_load(const cli_session *session)
 {
     rsv_load_desc load = rsv_default_load_desc();
@@ -279,6 +302,8 @@ rsv_load_desc cli_describe_load(const cli_session *session)
     load.two_sided = session->reading.two_sided;
     load.emit_both = session->reading.emit;
     load.variant = session->reading.variant;
+    load.luminaire = session->luminaire;
+    load.luminaire_count = session->luminaire_count;
     return load;
 }
 
@@ -292,6 +317,9 @@ static bool read_scene(cli_session *session, const char *name, bool is_file, rsv
     } else if (rsv_scene_is_builtin(name)) {
         warn_of_reading(session);
         status = cli_build_scene(session, name, scene);
+        if (status == RSV_OK)
+            status = rsv_scene_load_luminaires(
+                *scene, session->luminaire, session->luminaire_count);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());
         cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,
@@ -317,6 +345,7 @@ rsv_scene *cli_open_scene(
             session->clear_air);
         return NULL;
     }
+    if (!read_luminaires(session)) return NULL;
     if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
     if (!read_scene(session, name, is_file, &scene)) return NULL;
     rsv_status status = add_environment(session, scene, environment);

@@ -4,6 +4,7 @@
 #define CLI_SESSION_H
 
 #include "fog_option.h"
+#include "options.h"
 #include "progress.h"
 
 #include "resolvent/animation.h"
@@ -33,6 +34,7 @@ typedef struct cli_reading {
     bool two_sided;
     int emit;            ///< 1 = from both sides
     const char *variant; ///< NULL = the default
+    cli_list luminaires; ///< NAME=FILE
 } cli_reading;
 
 typedef struct cli_session {
@@ -43,6 +45,8 @@ typedef struct cli_session {
     cli_moment moment;        ///< that scenes are opened at
     rsv_animation *animation; ///< that scenes came from; NULL = none
     cli_reading reading;
+    rsv_load_luminaire luminaire[CLI_LIST_CAPACITY]; ///< of the reading; names are owned
+    size_t luminaire_count;
     bool keep_document; ///< scenes are to keep the glTF file that they come from
     const char
         *clear_air; ///< what the command makes, if it leaves fog out: "a bake"; NULL = it does not
@@ -72,7 +76,8 @@ typedef struct cli_session {
       .choices = cli_light_unit_names },                                                           \
     { .name = "--two-sided", .kind = CLI_FLAG, .value = &(reading)->two_sided },                   \
     { .name = "--emit", .kind = CLI_CHOICE, .value = &(reading)->emit, .choices = cli_emit_names }, \
-    { .name = "--variant", .kind = CLI_TEXT, .value = &(reading)->variant }
+    { .name = "--variant", .kind = CLI_TEXT, .value = &(reading)->variant },                       \
+    { .name = "--luminaire", .kind = CLI_LIST, .value = &(reading)->luminaires }
 // clang-format on
 
 /// Their lines in a command's help.
@@ -86,7 +91,10 @@ typedef struct cli_session {
     "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
     "it\n"                                                                                         \
     "                     says; or both\n"                                                         \
-    "  --variant NAME     the materials of a variant that a glTF file offers\n"
+    "  --variant NAME     the materials of a variant that a glTF file offers\n"                       \
+    "  --luminaire NAME=FILE  a measured luminaire (.ies, .ldt) in place of the light NAME, or at "  \
+    "the\n"                                                                                        \
+    "                     node or object NAME; * stands for any text\n"
 
 extern const char *const cli_light_unit_names[], *const cli_emit_names[];
 

@@ -30,7 +30,7 @@ typedef struct rsv_clip {
 /// Reads the animations of a file, and of the rest what rsv_scene_load_with reads before there are vertices.
 /// RSV_ERROR_UNSUPPORTED for formats other than glTF; RSV_ERROR_FORMAT, with the animation's name, for keys that are out of
 /// order, missing or not finite. Without any animation there are no clips.
-/// @param desc NULL = defaults; no document is kept (rsv_load_desc.keep_document): what it says is where things are at rest
+/// @param desc NULL = defaults; what it lists must outlive the animation; no document is kept (rsv_load_desc.keep_document): what it says is where things are at rest
 RSV_API rsv_status rsv_animation_open(
     rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation);
 

@@ -33,6 +33,12 @@ typedef struct rsv_file_source {
 } rsv_file_source;
 
 /// How to understand what a file leaves open. Start from rsv_default_load_desc().
+/// A measured luminaire for lights of a scene.
+typedef struct rsv_load_luminaire {
+    const char *name; ///< of lights, nodes or objects, as in rsv_scene_place_luminaire
+    const char *path; ///< file of IES LM-63 or EULUMDAT
+} rsv_load_luminaire;
+
 typedef struct rsv_load_desc {
     /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
     /// theirs.
@@ -54,6 +60,10 @@ typedef struct rsv_load_desc {
     /// Which of the materials that a glTF file offers for the same parts (KHR_materials_variants): a name; NULL = those shown
     /// by default. The document is not kept then: it shows others.
     const char *variant;
+    /// [luminaire_count] that are put in place of lights, or hung from nodes and objects; borrowed. Of glTF, nodes without a
+    /// mesh count too, along their -y.
+    const rsv_load_luminaire *luminaire;
+    size_t luminaire_count;
     const rsv_file_source
         *files;     ///< borrowed while the file is read; NULL (default) = the file system
     bool emit_both; ///< Lets materials that shine do so from both sides (default false)
@@ -85,6 +95,10 @@ RSV_API rsv_status rsv_scene_save(const rsv_scene *scene, const char *path);
 /// with it. @param intensity, rotation as in rsv_environment
 RSV_API rsv_status rsv_scene_load_environment(
     rsv_scene *scene, const char *path, float intensity, float rotation);
+
+/// Reads luminaires and puts each in place of what its name means, as loading does with rsv_load_desc.luminaire.
+RSV_API rsv_status rsv_scene_load_luminaires(
+    rsv_scene *scene, const rsv_load_luminaire *luminaire, size_t count);
 
 #ifdef __cplusplus
 }

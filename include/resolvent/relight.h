@@ -28,6 +28,12 @@ typedef struct rsv_light_move {
     rsv_vec3 offset; ///< metres from where it began, at most 1e6 along each axis
 } rsv_light_move;
 
+/// A spot light, luminaire or directional light that shines another way. What of it is not round turns along.
+typedef struct rsv_light_aim {
+    const char *name;
+    rsv_vec3 direction; ///< of any length above 0
+} rsv_light_aim;
+
 /// What is not named is as it was when relighting began.
 typedef struct rsv_relight_desc {
     const rsv_light_scale *light; ///< [light_count]
@@ -36,6 +42,8 @@ typedef struct rsv_relight_desc {
     size_t albedo_count;
     const rsv_light_move *move; ///< [move_count]
     size_t move_count;
+    const rsv_light_aim *aim; ///< [aim_count]
+    size_t aim_count;
     bool turn;      ///< whether the surroundings turn to `rotation`
     float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
@@ -49,9 +57,10 @@ typedef struct rsv_relight_desc {
 /// hides of other lights and of what surfaces reflect stays hidden where it began.
 ///
 /// RSV_ERROR_ARGUMENT for unknown names (the message lists the known ones), factors and offsets out of range and
-/// surroundings that are to turn where there are none,
+/// surroundings that are to turn where there are none, directions of length 0,
 /// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, for unequal scales of lamps that only
-/// gather rays find, and for moving these or what is infinitely far away. After other errors the solution may be used no
+/// gather rays find, for moving these or what is infinitely far away, and for turning what
+/// shines alike to all sides. After other errors the solution may be used no
 /// more.
 RSV_API rsv_status rsv_light_relight(rsv_light *light, const rsv_relight_desc *desc);
 
@@ -85,12 +94,9 @@ RSV_API rsv_relight_source rsv_relighter_source(const rsv_relighter *relighter, 
 
 /// Adds a punctual light to the solution and its scene; the last source then. It can be named like the others, and a desc that does
 /// not name it leaves it as it was added. Its caustics are found where the scene had any before.
-/// RSV_ERROR_ARGUMENT if there is a source of that name, or as in rsv_scene_add_light, RSV_ERROR_UNSUPPORTED beyond
-/// RSV_MAX_RELIGHT_SOURCES.
+/// RSV_ERROR_ARGUMENT if there is a source of that name, or as in rsv_scene_add_light.
 RSV_API rsv_status rsv_relighter_add_light(
     rsv_relighter *relighter, const rsv_punctual_light *light);
-
-#define RSV_MAX_RELIGHT_SOURCES 64
 
 /// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that
 /// stand elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up

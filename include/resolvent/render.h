@@ -111,6 +111,12 @@ RSV_API rsv_probe_desc rsv_default_probe_desc(void);
 RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *desc,
     const rsv_probe *probes, size_t probe_count, rsv_probe_reading *readings);
 
+/// Irradiance on the first surface that a camera sees at a place of its picture, on the side that it sees, W/m2.
+/// @param width, height of the picture, pixels @param place x to the right and y down, each from 0 to 1
+/// @return false where it sees no surface that stores light: nothing, or mirrors and clear glass
+RSV_API bool rsv_read_picture_point(const rsv_light *light, const rsv_camera *camera, uint32_t width,
+    uint32_t height, const float place[2], rsv_rgb *irradiance);
+
 /// Path-traced readings; needs no solution. @param samples, seed as in rsv_probe_desc
 RSV_API rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes,
     size_t probe_count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);

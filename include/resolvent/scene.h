@@ -8,6 +8,7 @@
 #define RESOLVENT_SCENE_H
 
 #include "resolvent/core.h"
+#include "resolvent/luminaire.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -149,12 +150,13 @@ typedef enum rsv_punctual_light_kind {
     RSV_PUNCTUAL_POINT,
     RSV_PUNCTUAL_SPOT,
     RSV_PUNCTUAL_DIRECTIONAL,
+    RSV_PUNCTUAL_LUMINAIRE, ///< measured intensities (luminaire.h); its cone is all that it lights
     RSV_PUNCTUAL_KINDS ///< how many there are
 } rsv_punctual_light_kind;
 
 /// What distinguishes a kind of punctual lights.
 typedef struct rsv_punctual_facts {
-    const char *name;   ///< "point", "spot", "directional", as in KHR_lights_punctual
+    const char *name;   ///< "point", "spot", "directional", as in KHR_lights_punctual; "luminaire"
     bool has_place;     ///< else it is infinitely far away, and its intensity is an irradiance
     bool has_direction; ///< else it shines alike to all sides
     bool has_cone;      ///< shines into a cone around its direction alone
@@ -168,13 +170,20 @@ typedef struct rsv_punctual_light {
     const char *name; ///< copied
     rsv_punctual_light_kind kind;
     rsv_vec3 position;
-    rsv_vec3 direction;     ///< unit, the way the light travels (spot axis, directional)
-    rsv_rgb intensity;      ///< W/sr; directional: irradiance at normal incidence, W/m2
+    rsv_vec3 direction;     ///< unit, the way the light travels (spot axis, directional, -z of a luminaire)
+    rsv_rgb intensity;      ///< W/sr, of a luminaire at its peak; directional: irradiance at normal incidence, W/m2
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
-    float outer_cone_angle; ///< radians, half angle; none outside (spot)
+    float outer_cone_angle; ///< radians, half angle; none outside (spot: up to pi/2, luminaire: up to pi)
     float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
     /// Between the cones, with t the ramp in the cosine: false = t^2 (KHR_lights_punctual), true = t^2 (3 - 2 t) (Blender).
     bool smooth_cone;
+    // of luminaires alone; start from rsv_luminaire_light()
+    uint32_t luminaire; ///< from rsv_scene_add_luminaire
+    /// Unit, at right angles to `direction`: where C = 0 points. Of other lights, about that of a luminaire that takes their
+    /// place; 0 = along x.
+    rsv_vec3 side;
+    /// Light leaves alike from all over an opening around `position`; as rsv_luminaire_opening has it. All 0 = a point.
+    rsv_vec3 opening;
 } rsv_punctual_light;
 
 typedef struct rsv_camera {
@@ -238,7 +247,7 @@ typedef struct rsv_fog {
 /// The committed scene as flat arrays in world space, less `origin`; valid until the scene is destroyed.
 typedef struct rsv_scene_view {
     size_t vertex_count, triangle_count, material_count, light_count, camera_count, object_count;
-    size_t texture_count;
+    size_t texture_count, luminaire_count;
     const rsv_vec3 *position;          ///< [vertex_count]
     const rsv_vec3 *normal;            ///< [vertex_count], unit shading normals
     const float (*uv[2])[2];           ///< [vertex_count] texture coordinates; NULL = none has any
@@ -252,6 +261,7 @@ typedef struct rsv_scene_view {
     const uint8_t *material_varies;  ///< [material_count] 0 = the same all over; else private flags
     const struct rsv_twins *twins;   ///< private; NULL = no two faces lie in the same place
     const rsv_punctual_light *light; ///< [light_count]
+    const rsv_luminaire *luminaire;  ///< [luminaire_count] with 1 as the highest intensity
     const rsv_camera *camera;        ///< [camera_count]
     const char *const *object_name;  ///< [object_count]
     const rsv_environment *environment; ///< pixels with the intensity in them; NULL = black
@@ -296,6 +306,25 @@ RSV_API rsv_status rsv_scene_add_mesh(
 /// @param name for messages and selection; NULL = the mesh's name
 RSV_API rsv_status rsv_scene_add_instance(
     rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name);
+
+/// Copies measured intensities for lights of kind RSV_PUNCTUAL_LUMINAIRE, before or after commit. @param id out; may be NULL
+RSV_API rsv_status rsv_scene_add_luminaire(
+    rsv_scene *scene, const rsv_luminaire *luminaire, uint32_t *id);
+
+/// A luminaire that hangs at the origin and points down, C = 0 along x, as bright as measured (683 lm/W), with its opening.
+/// @param id from rsv_scene_add_luminaire
+RSV_API rsv_punctual_light rsv_luminaire_light(const rsv_luminaire *luminaire, uint32_t id);
+
+/// Luminous flux of a light of the scene, lm; of distant ones 0.
+RSV_API double rsv_punctual_lumens(const rsv_scene_view *scene, const rsv_punctual_light *light);
+
+/// Puts a luminaire in place of the punctual lights that NAME means: their own names; if none has it, names of nodes that placed
+/// lights; if there is none either, before commit, names of objects (these stay as they are, and the luminaire is at the
+/// origin of the object and points along its -y). A luminaire keeps the direction of a spot or directional light; in place of
+/// other lights it points down. `*` in NAME stands for any text, `?` for any character.
+/// RSV_ERROR_ARGUMENT where nothing is called so.
+RSV_API rsv_status rsv_scene_place_luminaire(
+    rsv_scene *scene, const char *name, const rsv_luminaire *luminaire);
 
 RSV_API rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_punctual_light *light);
 RSV_API rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera);

@@ -11,7 +11,7 @@ import tempfile
 from cffi import FFI
 
 SYSTEM_HEADERS = ("stdbool.h", "stddef.h", "stdint.h")
-CONSTANTS = ("RSV_NONE", "RSV_TEXTURE_MAX_SIDE", "RSV_FINGERPRINT_DIGITS", "RSV_MAX_RELIGHT_SOURCES")
+CONSTANTS = ("RSV_NONE", "RSV_TEXTURE_MAX_SIDE", "RSV_FINGERPRINT_DIGITS")
 CALLBACKS = """
 typedef struct rsv_py_user { ...; } rsv_py_user;
 extern "Python" bool rsv_py_progress(void *handle, const char *phase, double fraction);

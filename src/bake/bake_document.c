@@ -85,6 +85,25 @@ static void embed_images(rsv_bake_document *d)
     }
 }
 
+/// Likewise luminaires.
+static void embed_luminaires(rsv_bake_document *d)
+{
+    size_t k = 0;
+    cJSON *light, *extensions = cJSON_GetObjectItemCaseSensitive(d->root, "extensions");
+    const cJSON *ies = cJSON_GetObjectItemCaseSensitive(extensions, "EXT_lights_ies");
+    cJSON_ArrayForEach(light, cJSON_GetObjectItemCaseSensitive(ies, "lights"))
+    {
+        if (k >= d->gltf->luminaire_count) break;
+        const rsv_gltf_image *data = &d->gltf->luminaire[k++];
+        const char *uri = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(light, "uri"));
+        if (!uri || strncmp(uri, "data:", 5) == 0 || !data->bytes) continue;
+        cJSON_DeleteItemFromObjectCaseSensitive(light, "uri");
+        cJSON_DeleteItemFromObjectCaseSensitive(light, "mimeType");
+        rsv_bake_number(d, light, "bufferView", rsv_bake_add_view(d, data->bytes, data->size, 0));
+        rsv_bake_string(d, light, "mimeType", "application/x-ies-lm-63");
+    }
+}
+
 /// @param archive [count] what the scene keeps, or is as a file
 static rsv_status read_archive(rsv_bake_document *d, const uint8_t *archive, size_t count)
 {
@@ -126,6 +145,7 @@ rsv_status rsv_bake_document_open(const rsv_scene *scene, rsv_bake_document *d)
     RSV_TRY(read_document(d, scene));
     RSV_TRY(join_buffers(d));
     embed_images(d);
+    embed_luminaires(d);
 cleanup:
     if (status != RSV_OK) rsv_bake_document_close(d);
     return status;

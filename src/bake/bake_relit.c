@@ -1,19 +1,21 @@
 #include "bake_relit.h"
 
 #include "../core/vec.h"
+#include "../io/gltf_luminaire.h"
 #include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "bake_constants.h"
 
 #include <string.h>
 
-static const char punctual[] = "KHR_lights_punctual";
+static const char punctual[] = "KHR_lights_punctual", measured[] = "EXT_lights_ies";
 
 typedef struct follower {
     const rsv_scene *scene; ///< as the light has it
     const rsv_bake_parts *parts;
     cJSON **primitive;
     rsv_bake_document *d;
+    int *profile; ///< [luminaire_count] of the file that is written; -1 = not there yet
 } follower;
 
 static cJSON *item(const cJSON *parent, const char *name)
@@ -113,6 +115,87 @@ static cJSON *node_at(const follower *f, uint32_t node)
     return cJSON_GetArrayItem(item(f->d->root, "nodes"), (int)node);
 }
 
+static bool is_elsewhere(const follower *f, rsv_vec3 was, rsv_vec3 is)
+{
+    const rsv_scene_view *view = &f->scene->view;
+    float size = v3_length(v3_sub(view->bounds_max, view->bounds_min));
+    return v3_max_abs(v3_sub(is, was)) > ROUNDING * (size + v3_max_abs(is));
+}
+
+// ---- luminaires -----------------------------------------------------------------------------------
+
+/// The profile of a scene's luminaire among the file's, appended when it is first needed; its highest intensity is that of
+/// 1 W/sr.
+static int profile_of(follower *f, uint32_t luminaire)
+{
+    if (f->profile[luminaire] >= 0) return f->profile[luminaire];
+    const rsv_luminaire *is = &f->scene->view.luminaire[luminaire];
+    cJSON *light = cJSON_CreateObject(),
+          *lights = rsv_bake_array(f->d, rsv_bake_extension(f->d, f->d->root, measured), "lights");
+    char *text = NULL;
+    if (rsv_luminaire_print(f->d->context, is, &text) != RSV_OK) f->d->exhausted = true;
+    if (text)
+        rsv_bake_number(
+            f->d, light, "bufferView", rsv_bake_add_view(f->d, text, strlen(text), 0));
+    rsv_bake_string(f->d, light, "mimeType", "application/x-ies-lm-63");
+    rsv_bake_string(f->d, light, "name", is->name);
+    rsv_free(f->d->context, text);
+    return f->profile[luminaire] = rsv_bake_append(f->d, lights, light);
+}
+
+/// A node of its own for a luminaire that the file does not have, or has otherwise.
+static void add_luminaire(follower *f, const rsv_punctual_light *is)
+{
+    const double *origin = f->scene->view.origin;
+    rsv_vec3 x = is->side, z = v3_neg(is->direction), y = v3_cross(z, x), p = is->position;
+    const double world[16] = { (double)x.x, (double)x.y, (double)x.z, 0, (double)y.x, (double)y.y,
+        (double)y.z, 0, (double)z.x, (double)z.y, (double)z.z, 0, (double)p.x + origin[0],
+        (double)p.y + origin[1], (double)p.z + origin[2], 1 };
+    float strength = rgb_max(is->intensity);
+    cJSON *json = rsv_bake_extension(f->d, add_node(f, is->name, world), measured);
+    rsv_bake_number(f->d, json, "light", profile_of(f, is->luminaire));
+    rsv_bake_number(f->d, json, "multiplier", RSV_LUMEN_PER_WATT * (double)strength);
+    put_rgb(f, json, "color",
+        strength > 0 ? rgb_scale(is->intensity, 1 / strength) : rgb_gray(1));
+    if (!rsv_punctual_is_extended(is)) return;
+    put_rgb(f, rsv_bake_object(f->d, json, "extras"), "opening",
+        rgb(is->opening.x, is->opening.y, is->opening.z));
+}
+
+/// Whether a node's luminaire is what loading made of it. False too where it is left out.
+static bool is_as_filed(const follower *f, uint32_t index, const rsv_punctual_light *is)
+{
+    rsv_luminaire luminaire;
+    rsv_punctual_light was;
+    const rsv_gltf_node *node = &f->d->gltf->node[index];
+    const double *world = f->parts->shown.world[index];
+    rsv_status status =
+        rsv_gltf_read_luminaire(f->d->context, f->d->gltf, node->luminaire, &luminaire);
+    bool same = status == RSV_OK && rsv_gltf_luminaire_light(node, world, &luminaire, &was) &&
+                is->kind == RSV_PUNCTUAL_LUMINAIRE && !differs(was.intensity, is->intensity) &&
+                !is_elsewhere(f, in_scene(f, world + 12), is->position) &&
+                v3_max_abs(v3_sub(was.direction, is->direction)) < 1e-4f &&
+                v3_max_abs(v3_sub(was.side, is->side)) < 1e-4f;
+    rsv_luminaire_free(f->d->context, &luminaire);
+    return same;
+}
+
+/// Whether loading makes a light of a node's luminaire.
+static bool has_luminaire(const follower *f, uint32_t index)
+{
+    rsv_luminaire luminaire;
+    rsv_punctual_light was;
+    const rsv_gltf_node *node = &f->d->gltf->node[index];
+    rsv_rgb scale = node->luminaire_scale;
+    if (node->luminaire == -1 || f->parts->shown.hidden[index]) return false;
+    if (f_min(scale.r, f_min(scale.g, scale.b)) < 0) return false;
+    bool has = rsv_gltf_read_luminaire(
+                   f->d->context, f->d->gltf, node->luminaire, &luminaire) == RSV_OK &&
+               rsv_gltf_luminaire_light(node, f->parts->shown.world[index], &luminaire, &was);
+    rsv_luminaire_free(f->d->context, &luminaire);
+    return has;
+}
+
 // ---- punctual lights ------------------------------------------------------------------------------
 
 static void write_intensity(follower *f, cJSON *light, rsv_rgb intensity)
@@ -153,16 +236,14 @@ static void move_light(follower *f, uint32_t index, rsv_vec3 position)
         f->d->exhausted = true;
 }
 
-static bool is_elsewhere(const follower *f, rsv_vec3 was, rsv_vec3 is)
-{
-    const rsv_scene_view *view = &f->scene->view;
-    float size = v3_length(v3_sub(view->bounds_max, view->bounds_min));
-    return v3_max_abs(v3_sub(is, was)) > ROUNDING * (size + v3_max_abs(is));
-}
-
 static void follow_light(follower *f, uint32_t index, const rsv_punctual_light *is)
 {
     int light = f->d->gltf->node[index].light;
+    if (is->kind == RSV_PUNCTUAL_LUMINAIRE) { // in its place
+        rsv_bake_remove_extension(node_at(f, index), punctual);
+        add_luminaire(f, is);
+        return;
+    }
     if (differs(f->d->gltf->light[light].value.intensity, is->intensity))
         own_light(f, node_at(f, index), light, is);
     if (!rsv_punctual_is_distant(is) &&
@@ -218,15 +299,22 @@ static rsv_status follow_lights(follower *f)
     for (size_t k = 0; k < f->parts->shown.order_count; k++) {
         uint32_t index = f->parts->shown.order[k];
         int light = f->d->gltf->node[index].light;
-        if (light == -1 || !shines(f, index)) continue;
-        if (light < 0 || (size_t)light >= f->d->gltf->light_count || count == f->scene->light_count)
+        bool shown = light != -1 && shines(f, index), hangs = has_luminaire(f, index);
+        if ((shown && (light < 0 || (size_t)light >= f->d->gltf->light_count)) ||
+            count + shown + hangs > f->scene->light_count)
             return rsv_fail(RSV_ERROR_ARGUMENT,
                 "%s: bake: the document that it holds has other lights than its scene; solve anew",
                 f->d->name);
-        follow_light(f, index, &f->scene->light[count++]);
+        if (shown) follow_light(f, index, &f->scene->light[count++]);
+        if (!hangs) continue;
+        const rsv_punctual_light *is = &f->scene->light[count++];
+        if (is_as_filed(f, index, is)) continue;
+        rsv_bake_remove_extension(node_at(f, index), measured);
+        add_luminaire(f, is);
     }
     for (; count < f->scene->light_count; count++)
-        add_light(f, &f->scene->light[count]);
+        (f->scene->light[count].kind == RSV_PUNCTUAL_LUMINAIRE ? add_luminaire : add_light)(
+            f, &f->scene->light[count]);
     return RSV_OK;
 }
 
@@ -321,7 +409,14 @@ rsv_status rsv_bake_follow_relight(const rsv_light_view *solution, const rsv_bak
         .scene = solution->scene.scene, .parts = parts, .primitive = primitive, .d = document
     };
     if (document->is_made) return RSV_OK;
+    size_t profiles = f.scene->luminaire_count;
+    f.profile = rsv_alloc(document->context, profiles, sizeof *f.profile);
+    if (!f.profile) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < profiles; k++)
+        f.profile[k] = -1;
     follow_materials(&f);
     follow_lamps(&f);
-    return follow_lights(&f);
+    rsv_status status = follow_lights(&f);
+    rsv_free(document->context, f.profile);
+    return status;
 }

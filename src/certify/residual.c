@@ -93,7 +93,7 @@ static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
     rsv_random random = rsv_random_from(stream, 1, 0x51f2u);
     rsv_rgb sum = from_emitters(r, &random), punctual = rgb_gray(0);
     const rsv_lights *lights = r->job->solution->lights;
-    uint32_t count = lights->punctual_tree ? r->job->light_samples : 1;
+    uint32_t count = lights->punctual_tree || lights->extended ? r->job->light_samples : 1;
     for (uint32_t k = 0; k < count; k++)
         punctual = rgb_add(
             punctual, rsv_punctual_irradiance_at(&r->at, &r->entrance, lights,

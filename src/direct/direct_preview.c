@@ -333,7 +333,9 @@ static rsv_rgb aim_at_light(const preview_job *job, const rsv_receiver_block *bl
     packet->t_max[lane] = -1;
     if (!(block->valid >> lane & 1)) return rgb_gray(0);
     if (block->coated) entrance.patch = rsv_receiver_entry(job->blocks, block, lane / POINTS);
-    rsv_next_event_punctual(&receiver, &entrance, job->lights, light, 0.5f, &event);
+    // places of a light that has a size are shared among the points of a node
+    float u = job->lights->extended ? ((float)(lane % POINTS) + 0.5f) / POINTS : 0.5f;
+    rsv_next_event_punctual(&receiver, &entrance, job->lights, light, u, &event);
     if (rsv_next_event_asks(&event)) rsv_packet_set_ray(packet, lane, event.ray);
     return event.light;
 }

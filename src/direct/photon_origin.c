@@ -8,10 +8,8 @@
 
 static double light_flux(const rsv_photon_origins *o, const rsv_punctual_light *light)
 {
-    double intensity = rgb_luminance(light->intensity);
-    if (rsv_punctual_is_distant(light)) return intensity * RSV_PI * o->radius * o->radius;
-    double cos_outer = rsv_punctual_has_cone(light) ? cos(light->outer_cone_angle) : -1;
-    return intensity * 2 * RSV_PI * (1 - cos_outer);
+    if (!rsv_punctual_is_distant(light)) return rsv_punctual_flux(o->scene->view, light);
+    return (double)rgb_luminance(light->intensity) * RSV_PI * o->radius * o->radius;
 }
 
 static double sun_flux(const rsv_photon_origins *o, const rsv_sun *sun)

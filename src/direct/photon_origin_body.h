@@ -60,11 +60,18 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_sun(
 }
 
 RSV_INLINE rsv_photon_emission rsv_emit_from_light(
-    const rsv_photon_origins *o, uint32_t light_index, float x, float y)
+    const rsv_photon_origins *o, uint32_t light_index, float x, float y, rsv_random *random)
 {
     const rsv_punctual_light *light = &o->scene->view->light[light_index];
     rsv_photon_emission out;
-    out.origin = light->position;
+    rsv_vec3 place = light->position;
+    if (light->kind == RSV_PUNCTUAL_LUMINAIRE) {
+        float u[3] = { 0.5f, 0.5f, 0.5f };
+        for (int k = 0; k < 3 && rsv_punctual_is_extended(light); k++)
+            u[k] = rsv_random_float(random);
+        place = rsv_punctual_place(light, u);
+    }
+    out.origin = place;
     out.flux = rgb_gray(0);
     out.medium = NULL;
     if (rsv_punctual_is_distant(light))
@@ -80,12 +87,10 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_light(
             rsv_photon_to_world(v3(sin * cosf(phi), sin * sinf(phi), cos), light->direction);
         solid_angle = 2 * RSV_PI * (1 - cos_outer);
     }
-    rsv_vec3 back;
-    float distance;
-    rsv_rgb intensity; // the irradiance one metre away
-    if (rsv_punctual_irradiance(
-            light, v3_add(light->position, out.direction), &back, &distance, &intensity))
-        out.flux = rgb_scale(intensity, solid_angle);
+    rsv_punctual_sample metre_away;
+    if (rsv_punctual_arriving(
+            o->scene->view, light, place, v3_add(place, out.direction), &metre_away))
+        out.flux = rgb_scale(metre_away.irradiance, solid_angle);
     return out;
 }
 
@@ -99,7 +104,7 @@ RSV_SHARED rsv_photon_emission rsv_photon_emit(const rsv_photon_origins *o, uint
     rsv_photon_emission out =
         origin->kind == RSV_ORIGIN_GROUP ? rsv_emit_from_group(o, origin->index, x, y, random)
         : origin->kind == RSV_ORIGIN_SUN ? rsv_emit_from_sun(o, origin->index, x, y, random)
-                                         : rsv_emit_from_light(o, origin->index, x, y);
+                                         : rsv_emit_from_light(o, origin->index, x, y, random);
     out.medium = &origin->medium;
     out.flux = rgb_scale(out.flux, 1 / origin->probability);
     return out;

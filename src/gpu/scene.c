@@ -12,7 +12,8 @@ rsv_status rsv_gpu_scene_create(
     s->material = rsv_gpu_new((host->material_count + 1) * sizeof *s->material, message);
     s->texture = rsv_gpu_new((host->texture_count + 1) * sizeof *s->texture, message);
     s->use = rsv_gpu_new((host->material_count + 1) * sizeof *s->use, message);
-    return s->material && s->texture && s->use ? RSV_OK : RSV_ERROR_MEMORY;
+    s->luminaire = rsv_gpu_new((host->luminaire_count + 1) * sizeof *s->luminaire, message);
+    return s->material && s->texture && s->use && s->luminaire ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 void rsv_gpu_scene_destroy(rsv_gpu_scene *s)
@@ -20,6 +21,7 @@ void rsv_gpu_scene_destroy(rsv_gpu_scene *s)
     free(s->material);
     free(s->texture);
     free(s->use);
+    free(s->luminaire);
     *s = (rsv_gpu_scene){ .host = NULL };
 }
 
@@ -111,6 +113,38 @@ static void upload_twins(const rsv_gpu_scene *s, rsv_gpu *gpu)
     rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
 }
 
+// ---- luminaires ---------------------------------------------------------------------------------
+
+static void place_luminaires(rsv_gpu_scene *s, rsv_gpu_block *b)
+{
+    const rsv_scene_view *host = s->host;
+    s->view.luminaire = rsv_gpu_place(b, host->luminaire_count, sizeof *host->luminaire);
+    for (size_t k = 0; k < host->luminaire_count; k++) {
+        rsv_luminaire *l = &s->luminaire[k];
+        *l = host->luminaire[k];
+        l->vertical = rsv_gpu_place(b, l->vertical_count, sizeof *l->vertical);
+        l->horizontal = rsv_gpu_place(b, l->horizontal_count, sizeof *l->horizontal);
+        l->intensity = rsv_gpu_place(
+            b, (size_t)l->vertical_count * l->horizontal_count, sizeof *l->intensity);
+    }
+}
+
+static void upload_luminaires(const rsv_gpu_scene *s, rsv_gpu *gpu)
+{
+    const rsv_scene_view *host = s->host;
+    for (size_t k = 0; k < host->luminaire_count; k++) {
+        const rsv_luminaire *from = &host->luminaire[k], *to = &s->luminaire[k];
+        const rsv_gpu_array array[] = { { to->vertical, from->vertical, from->vertical_count,
+                                            sizeof *from->vertical },
+            { to->horizontal, from->horizontal, from->horizontal_count, sizeof *from->horizontal },
+            { to->intensity, from->intensity, (size_t)from->vertical_count * from->horizontal_count,
+                sizeof *from->intensity } };
+        rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+    }
+    rsv_gpu_upload(gpu, (void *)s->view.luminaire, s->luminaire,
+        host->luminaire_count * sizeof *s->luminaire);
+}
+
 // ---- all ----------------------------------------------------------------------------------------
 
 void rsv_gpu_scene_place(rsv_gpu_scene *s, rsv_gpu_block *b)
@@ -127,6 +161,7 @@ void rsv_gpu_scene_place(rsv_gpu_scene *s, rsv_gpu_block *b)
     s->bvh.node = rsv_gpu_place(b, s->host_bvh.node_count, sizeof *s->bvh.node);
     s->bvh.triangle = rsv_gpu_place(b, s->host_bvh.triangle_count, sizeof *s->bvh.triangle);
     s->bvh.holes = s->host_bvh.holes ? s->there : NULL;
+    place_luminaires(s, b);
     if (s->varied) place_variation(s, b);
     place_twins(s, b);
 }
@@ -144,6 +179,7 @@ void rsv_gpu_scene_upload(const rsv_gpu_scene *s, rsv_gpu *gpu)
         { s->bvh.node, bvh->node, bvh->node_count, sizeof *bvh->node },
         { s->bvh.triangle, bvh->triangle, bvh->triangle_count, sizeof *bvh->triangle } };
     rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+    upload_luminaires(s, gpu);
     if (s->varied) upload_variation(s, gpu);
     upload_twins(s, gpu);
     rsv_gpu_scene_upload_materials(s, gpu);

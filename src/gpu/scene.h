@@ -13,6 +13,7 @@ typedef struct rsv_gpu_scene {
     bool varied;                ///< with what makes materials vary over their surfaces
     rsv_material *material;     ///< [material_count] on the host, with addresses on the device
     rsv_texture *texture;       ///< [texture_count] likewise
+    rsv_luminaire *luminaire;   ///< [luminaire_count] likewise
     rsv_texture_ref **use;      ///< [material_count] the textures of each, on the device
     /// With addresses on the device. No lights (sources.h) and no names; where it is not varied no textures either.
     rsv_scene_view view;

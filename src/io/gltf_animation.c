@@ -108,6 +108,7 @@ static rsv_status build(
         RSV_TRY(rsv_scene_end_moment(scene));
     else
         rsv_set_sides(&a->desc, scene);
+    RSV_TRY(rsv_scene_load_luminaires(scene, a->desc.luminaire, a->desc.luminaire_count));
     RSV_TRY(rsv_scene_commit(scene));
     *result = scene;
     return RSV_OK;

@@ -69,6 +69,8 @@ static void put_all(packer *p, const rsv_gltf_document *d, size_t total)
         put_file(p, d->buffer[k].uri, d->buffer[k].data, d->buffer[k].size);
     for (size_t k = 0; k < d->image_count; k++)
         put_file(p, d->image[k].uri, d->image[k].bytes, d->image[k].size);
+    for (size_t k = 0; k < d->luminaire_count; k++)
+        put_file(p, d->luminaire[k].uri, d->luminaire[k].bytes, d->luminaire[k].size);
 }
 
 rsv_status rsv_gltf_archive_pack(

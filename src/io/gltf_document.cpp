@@ -247,11 +247,26 @@ void local_transform(const json &source, rsv_gltf_node &node)
         refuse(RSV_ERROR_FORMAT, "the rotation of " + name + " is zero");
 }
 
+void convert_node_luminaire(const json &source, rsv_gltf_node &node)
+{
+    const std::string name = "node '" + std::string(node.name) + "'";
+    const double multiplier = number(source, "multiplier", 1);
+    double color[3] = { 1, 1, 1 }, opening[3] = {};
+    node.luminaire = reference(source, "light");
+    exact_numbers(source, "color", 3, color, name);
+    exact_numbers(member(source, "extras"), "opening", 3, opening, name);
+    node.luminaire_scale = { static_cast<float>(color[0] * multiplier),
+        static_cast<float>(color[1] * multiplier), static_cast<float>(color[2] * multiplier) };
+    node.opening = { static_cast<float>(opening[0]), static_cast<float>(opening[1]),
+        static_cast<float>(opening[2]) };
+}
+
 void convert_node_extensions(const json &source, rsv_gltf_node &node)
 {
     const json &instancing = extension(source, "EXT_mesh_gpu_instancing");
     const json &attributes = member(instancing, "attributes");
     node.light = reference(extension(source, "KHR_lights_punctual"), "light");
+    convert_node_luminaire(extension(source, "EXT_lights_ies"), node);
     node.hidden = !flag(extension(source, "KHR_node_visibility"), "visible", true);
     node.instancing = { reference(attributes, "TRANSLATION"), reference(attributes, "ROTATION"),
         reference(attributes, "SCALE") };
@@ -371,6 +386,18 @@ rsv_wrap wrap_mode(int mode)
     return RSV_WRAP_REPEAT;
 }
 
+/// A file beside the document, within it or in its text.
+rsv_gltf_image convert_file(
+    owned_document &document, const json &source, const char *kind, size_t index, const bytes &data)
+{
+    const std::string uri = text(source, "uri");
+    const bool is_data = uri.compare(0, 5, "data:") == 0;
+    return { uri.empty() || is_data ? keep_label(document, source, kind, index)
+                                    : keep(document, shown(uri)),
+        data.empty() ? nullptr : data.data(), data.size(), reference(source, "bufferView"),
+        keep_uri(document, source) };
+}
+
 void convert_textures(owned_document &document)
 {
     const int nearest = 9728;
@@ -390,16 +417,9 @@ void convert_textures(owned_document &document)
         document.textures.push_back(texture);
     }
     const json &images = list(document.tree, "images");
-    for (size_t k = 0; k < images.size(); k++) {
-        const std::string uri = text(images[k], "uri");
-        const bool is_data = uri.compare(0, 5, "data:") == 0;
-        const bytes &data = document.image_bytes[k];
+    for (size_t k = 0; k < images.size(); k++)
         document.images.push_back(
-            { uri.empty() || is_data ? keep_label(document, images[k], "image", k)
-                                     : keep(document, shown(uri)),
-                data.empty() ? nullptr : data.data(), data.size(),
-                reference(images[k], "bufferView"), keep_uri(document, images[k]) });
-    }
+            convert_file(document, images[k], "image", k, document.image_bytes[k]));
 }
 
 // ---- cameras and lights -------------------------------------------------------------------------
@@ -426,11 +446,11 @@ void convert_cameras(owned_document &document)
 bool light_kind(const std::string &type, rsv_punctual_light_kind &kind)
 {
     int k = 0;
-    while (k < RSV_PUNCTUAL_KINDS &&
+    while (k < RSV_PUNCTUAL_LUMINAIRE && // which that extension does not have
            type != rsv_punctual_facts_of(static_cast<rsv_punctual_light_kind>(k)).name)
         k++;
-    if (k < RSV_PUNCTUAL_KINDS) kind = static_cast<rsv_punctual_light_kind>(k);
-    return k < RSV_PUNCTUAL_KINDS;
+    if (k < RSV_PUNCTUAL_LUMINAIRE) kind = static_cast<rsv_punctual_light_kind>(k);
+    return k < RSV_PUNCTUAL_LUMINAIRE;
 }
 
 /// Angles of a cone, brought into their range. @return whether they had to be
@@ -486,6 +506,14 @@ void note_ranges(owned_document &document, const json &lights)
         if (member(lights[k], "range").is_number()) ranged.add(label(lights[k], "light", k));
     ranged.tell(
         document, "lights", "the range is ignored: light reaches as far as nothing is in its way");
+}
+
+void convert_luminaires(owned_document &document)
+{
+    const json &lights = list(extension(document.tree, "EXT_lights_ies"), "lights");
+    for (size_t k = 0; k < lights.size(); k++)
+        document.luminaires.push_back(
+            convert_file(document, lights[k], "luminaire", k, document.luminaire_bytes[k]));
 }
 
 void convert_lights(owned_document &document)
@@ -571,6 +599,7 @@ void publish(owned_document &document)
     publish_array(document.materials, document.material, document.material_count);
     publish_array(document.textures, document.texture, document.texture_count);
     publish_array(document.images, document.image, document.image_count);
+    publish_array(document.luminaires, document.luminaire, document.luminaire_count);
     publish_array(document.cameras, document.camera, document.camera_count);
     publish_array(document.lights, document.light, document.light_count);
     publish_array(document.roots, document.root, document.root_count);
@@ -593,6 +622,7 @@ void convert(owned_document &document)
     convert_textures(document);
     convert_cameras(document);
     convert_lights(document);
+    convert_luminaires(document);
     convert_variant_names(document);
     convert_animations(document);
     find_unread(document);

@@ -120,6 +120,9 @@ typedef struct rsv_gltf_instancing {
 typedef struct rsv_gltf_node {
     const char *name;
     int mesh, camera, light, skin;
+    int luminaire;           ///< of EXT_lights_ies; -1 = none
+    rsv_rgb luminaire_scale; ///< its multiplier times its colour
+    rsv_vec3 opening;        ///< of it, m (extras.opening, which this library writes)
     const int *child;
     size_t child_count;
     double local[16];                             ///< column-major, to the parent
@@ -178,7 +181,7 @@ typedef struct rsv_gltf_note {
     const char *text;
 } rsv_gltf_note;
 
-/// An encoded picture.
+/// An encoded picture, or a measured luminaire as a file of LM-63.
 typedef struct rsv_gltf_image {
     const char *name;     ///< its own or its file's
     const uint8_t *bytes; ///< NULL = in `buffer_view`, or missing
@@ -221,13 +224,14 @@ typedef struct rsv_gltf_document {
     const rsv_gltf_image *image;
     const rsv_camera *camera; ///< lens and name; placed by nodes
     const rsv_gltf_light *light;
+    const rsv_gltf_image *luminaire; ///< of EXT_lights_ies
     const rsv_gltf_skin *skin;
     const rsv_gltf_animation *animation;
     const int *root;           ///< nodes of the scene to show
     const rsv_gltf_note *note; ///< what of the file is not read
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
         camera_count, light_count, skin_count, animation_count, root_count, texture_count,
-        image_count, note_count;
+        image_count, note_count, luminaire_count;
     const char *text; ///< [text_bytes] the JSON as it stands in the file
     size_t text_bytes;
     const char *const *variant; ///< [variant_count] names (KHR_materials_variants)

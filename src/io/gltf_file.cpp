@@ -297,7 +297,8 @@ void check_version(const json &root)
 /// Extensions that are read, or whose absence changes nothing here.
 void check_required_extensions(const json &root)
 {
-    static const char *const known[] = { "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+    static const char *const known[] = { "EXT_lights_ies", "EXT_mesh_gpu_instancing",
+        "EXT_meshopt_compression",
         "EXT_texture_webp", "KHR_draco_mesh_compression", "KHR_lights_punctual",
         "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
         "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
@@ -381,10 +382,10 @@ void read_buffers(owned_document &document, source &from)
     }
 }
 
-/// Missing and broken images are empty.
-void read_images(owned_document &document, source &from)
+/// Missing and broken files are empty.
+void read_files(const json &images, source &from, std::deque<bytes> &to)
 {
-    for (const json &image : list(document.tree, "images")) {
+    for (const json &image : images) {
         const std::string uri = text(image, "uri");
         std::string problem;
         bytes data;
@@ -397,7 +398,7 @@ void read_images(owned_document &document, source &from)
             if (!path.empty()) data = read_bytes(from.files, path, UINT64_MAX, problem);
         }
         if (!problem.empty()) data.clear();
-        document.image_bytes.push_back(std::move(data));
+        to.push_back(std::move(data));
     }
 }
 
@@ -410,7 +411,9 @@ void read_parts(owned_document &document, source &from, const chunk &text)
     check_version(document.tree);
     check_required_extensions(document.tree);
     read_buffers(document, from);
-    read_images(document, from);
+    read_files(list(document.tree, "images"), from, document.image_bytes);
+    read_files(list(extension(document.tree, "EXT_lights_ies"), "lights"), from,
+        document.luminaire_bytes);
 }
 
 bool is_binary(const bytes &file)

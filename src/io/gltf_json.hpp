@@ -150,7 +150,7 @@ struct owned_note {
 struct owned_document : rsv_gltf_document {
     json tree; ///< the whole file; empty once it is converted
     std::string json_text;
-    std::deque<bytes> buffer_bytes, image_bytes;
+    std::deque<bytes> buffer_bytes, image_bytes, luminaire_bytes;
     std::vector<rsv_gltf_buffer> buffers;
     std::vector<rsv_gltf_buffer_view> buffer_views;
     std::vector<rsv_gltf_accessor> accessors;
@@ -170,7 +170,7 @@ struct owned_document : rsv_gltf_document {
     std::vector<rsv_gltf_material> materials;
     std::deque<owned_material> owned_materials;
     std::vector<rsv_gltf_texture> textures;
-    std::vector<rsv_gltf_image> images;
+    std::vector<rsv_gltf_image> images, luminaires;
     std::vector<rsv_camera> cameras;
     std::vector<rsv_gltf_light> lights;
     std::vector<int> roots;

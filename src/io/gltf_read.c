@@ -1,10 +1,12 @@
 /// From a glTF document to a scene.
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../scene/placed_luminaire.h"
 #include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "gltf_archive.h"
 #include "gltf_geometry.h"
+#include "gltf_luminaire.h"
 #include "gltf_part.h"
 #include "gltf_skin.h"
 #include "gltf_texture.h"
@@ -296,6 +298,7 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
+    light.side = column_of(world, 0);
     light.intensity = scaled(
         light.intensity, rsv_punctual_is_distant(&light) ? r->scale.distant : r->scale.local);
     if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
@@ -303,8 +306,52 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }
 
+static rsv_status add_luminaire(reader *r, const rsv_gltf_node *node, const double world[16])
+{
+    rsv_status status;
+    rsv_luminaire luminaire;
+    rsv_punctual_light light;
+    rsv_rgb scale = node->luminaire_scale;
+    if (f_min(scale.r, f_min(scale.g, scale.b)) < 0)
+        return leave_out(r, node, "luminaire", "it takes light away");
+    status = rsv_gltf_read_luminaire(r->context, r->document, node->luminaire, &luminaire);
+    if (status == RSV_ERROR_FORMAT) {
+        char problem[512];
+        snprintf(problem, sizeof problem, "%s", rsv_last_error());
+        rsv_luminaire_free(r->context, &luminaire);
+        return leave_out(r, node, "luminaire", problem);
+    }
+    RSV_TRY(status);
+    if (!rsv_gltf_luminaire_light(node, world, &luminaire, &light)) {
+        status = leave_out(r, node, "luminaire", "its transform leaves it no direction");
+    } else {
+        RSV_TRY(rsv_scene_add_luminaire(r->scene, &luminaire, &light.luminaire));
+        status = rsv_scene_place_light(r->scene, &light, world + 12, node->name);
+    }
+cleanup:
+    rsv_luminaire_free(r->context, &luminaire);
+    return status;
+}
+
+/// Where a luminaire is to hang from a node that has neither a mesh nor a light (rsv_load_desc.luminaire): a dark light that
+/// points along its -y, which the luminaire will replace.
+static rsv_status mark_node(
+    reader *r, const rsv_load_desc *desc, const rsv_gltf_node *node, const double world[16])
+{
+    bool meant = false;
+    if (node->mesh != -1 || node->light != -1 || node->luminaire != -1) return RSV_OK;
+    for (size_t k = 0; k < desc->luminaire_count; k++)
+        meant = meant || rsv_name_is_meant(desc->luminaire[k].name, node->name);
+    rsv_punctual_light light = { .name = node->name,
+        .kind = RSV_PUNCTUAL_SPOT,
+        .direction = v3_neg(v3_normalize(column_of(world, 1))),
+        .side = column_of(world, 0) };
+    if (!meant || !(v3_length(light.direction) > 0)) return RSV_OK;
+    return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
+}
+
 /// What is hidden neither shows nor shines; a camera sees from where it is, whoever sees it.
-static rsv_status add_cameras_and_lights(reader *r)
+static rsv_status add_cameras_and_lights(reader *r, const rsv_load_desc *desc)
 {
     rsv_status status = RSV_OK;
     for (size_t k = 0; k < r->parts.order_count; k++) {
@@ -313,6 +360,12 @@ static rsv_status add_cameras_and_lights(reader *r)
         if (node->camera != -1) RSV_TRY(add_camera(r, node, r->parts.world[index]));
         if (node->light != -1 && !r->parts.hidden[index])
             RSV_TRY(add_light(r, node, r->parts.world[index]));
+        if (node->luminaire != -1 && !r->parts.hidden[index])
+            RSV_TRY(add_luminaire(r, node, r->parts.world[index]));
+    }
+    for (size_t k = 0; k < r->parts.order_count; k++) {
+        uint32_t index = r->parts.order[k];
+        RSV_TRY(mark_node(r, desc, &r->document->node[index], r->parts.world[index]));
     }
 cleanup:
     return status;
@@ -467,7 +520,7 @@ rsv_status rsv_gltf_fill(
     tell_notes(&r);
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
-    RSV_TRY(add_cameras_and_lights(&r));
+    RSV_TRY(add_cameras_and_lights(&r, desc));
 cleanup:
     release(&r);
     return status;

@@ -15,14 +15,13 @@ typedef struct texture_loader {
     uint32_t (*id)[USES]; ///< [texture_count] in the scene, by use; RSV_NONE = not tried yet
 } texture_loader;
 
-/// The encoded bytes of an image. NULL, or what is wrong.
-static const char *find_bytes(
+const char *rsv_gltf_find_bytes(
     const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_file *file)
 {
     *file = (rsv_image_file){ image->name, image->bytes, image->size };
     if (image->bytes) return NULL;
     if (image->buffer_view < 0)
-        return "it is missing (images must lie in the asset's folder or below)";
+        return "it is missing (files must lie in the asset's folder or below)";
     if ((size_t)image->buffer_view >= document->buffer_view_count)
         return "its buffer view does not exist";
     const rsv_gltf_buffer_view *view = &document->buffer_view[image->buffer_view];
@@ -49,7 +48,7 @@ static rsv_status add_image(
         .wrap_u = texture->wrap_u,
         .wrap_v = texture->wrap_v,
         .nearest = texture->nearest };
-    const char *problem = find_bytes(document, image, &source.file);
+    const char *problem = rsv_gltf_find_bytes(document, image, &source.file);
     if (problem)
         return rsv_fail(RSV_ERROR_FORMAT, "cannot read image '%s': %s", image->name, problem);
     return rsv_texture_load(loader->scene, &source, id);

@@ -3,6 +3,11 @@
 #define RSV_GLTF_TEXTURE_H
 
 #include "gltf_document.h"
+#include "texture_image.h"
+
+/// The bytes of an image or luminaire. @return NULL, or what is wrong
+const char *rsv_gltf_find_bytes(
+    const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_file *file);
 
 /// Adds all materials, in order, with the textures they use. A texture that cannot be read is named in a warning
 /// and left out: the factor that it multiplies stands alone.

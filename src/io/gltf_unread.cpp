@@ -227,6 +227,11 @@ constexpr property node_light_members[] = { { "light", 'i' } };
 constexpr schema node_light = { "light reference", "light references", false, node_light_members,
     {} };
 
+constexpr property node_luminaire_members[] = { { "light", 'i' }, { "multiplier", 'n' },
+    { "color", 'N' } };
+constexpr schema node_luminaire = { "luminaire reference", "luminaire references", false,
+    node_luminaire_members, {} };
+
 constexpr property visibility_members[] = { { "visible", 'b' } };
 constexpr schema visibility = { "visibility", "visibilities", false, visibility_members, {} };
 
@@ -238,7 +243,8 @@ constexpr property node_members[] = { { "name", 's' }, { "camera", 'i' }, { "chi
     { "skin", 'i' }, { "matrix", 'N' }, { "mesh", 'i' }, { "rotation", 'N' }, { "scale", 'N' },
     { "translation", 'N' }, { "weights", 'N' } };
 constexpr property node_extensions[] = { { "KHR_lights_punctual", 'o', &node_light },
-    { "KHR_node_visibility", 'o', &visibility }, { "EXT_mesh_gpu_instancing", 'o', &instancing } };
+    { "EXT_lights_ies", 'o', &node_luminaire }, { "KHR_node_visibility", 'o', &visibility },
+    { "EXT_mesh_gpu_instancing", 'o', &instancing } };
 constexpr schema node = { "node", "nodes", true, node_members, node_extensions };
 
 constexpr property scene_members[] = { { "name", 's' }, { "nodes", 'I' } };
@@ -290,6 +296,14 @@ constexpr schema asset = { "asset", "assets", false, asset_members, {} };
 constexpr property lights_members[] = { { "lights", 'l', &light } };
 constexpr schema lights = { "list of lights", "lists of lights", false, lights_members, {} };
 
+constexpr property luminaire_members[] = { { "name", 's' }, { "uri", 's' }, { "bufferView", 'i' },
+    { "mimeType", 's' } };
+constexpr schema luminaire = { "luminaire", "luminaires", true, luminaire_members, {} };
+
+constexpr property luminaires_members[] = { { "lights", 'l', &luminaire } };
+constexpr schema luminaires = { "list of luminaires", "lists of luminaires", false,
+    luminaires_members, {} };
+
 constexpr property file_members[] = { { "asset", 'o', &asset }, { "scene", 'i' },
     { "scenes", 'l', &scene }, { "nodes", 'l', &node }, { "meshes", 'l', &mesh },
     { "accessors", 'l', &accessor }, { "bufferViews", 'l', &view }, { "buffers", 'l', &buffer },
@@ -304,7 +318,7 @@ constexpr schema variants = { "list of variants", "lists of variants", false, va
     {} };
 
 constexpr property file_extensions[] = { { "KHR_materials_variants", 'o', &variants },
-    { "KHR_lights_punctual", 'o', &lights } };
+    { "KHR_lights_punctual", 'o', &lights }, { "EXT_lights_ies", 'o', &luminaires } };
 constexpr schema file = { "file", "files", false, file_members, file_extensions };
 
 // ---- finding --------------------------------------------------------------------------------------

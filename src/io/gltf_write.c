@@ -9,6 +9,7 @@
 #include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "atomic_file.h"
+#include "data_uri.h"
 #include "resolvent/io.h"
 
 #include <cjson/cJSON.h>
@@ -298,29 +299,81 @@ static void add_light_shape(writer *w, cJSON *json, const rsv_punctual_light *li
         noted(w, cJSON_AddTrueToObject(add_object(w, extras, "resolvent"), "smooth_cone"));
 }
 
+/// Has a node of its own that looks along -z.
+static cJSON *add_light_node(writer *w, const rsv_punctual_light *light)
+{
+    cJSON *node = add_node(w, light->name);
+    rsv_vec3 x = v3(1, 0, 0), y = v3(0, 1, 0), z = v3(0, 0, 1);
+    if (v3_length(light->direction) > 0) {
+        z = v3_neg(light->direction);
+        v3_frame(z, &x, &y);
+    }
+    if (light->kind == RSV_PUNCTUAL_LUMINAIRE) x = light->side, y = v3_cross(z, x);
+    add_frame(w, node, x, y, z, light->position);
+    return node;
+}
+
+static void add_light(writer *w, cJSON *lights, const rsv_punctual_light *light)
+{
+    cJSON *json = append_object(w, lights);
+    float strength = rgb_max(light->intensity), scale = strength > 0 ? strength : 1;
+    add_string(w, json, "name", light->name);
+    add_rgb(w, json, "color",
+        rgb(light->intensity.r / scale, light->intensity.g / scale, light->intensity.b / scale));
+    add_float(w, json, "intensity", strength);
+    add_light_shape(w, json, light);
+    add_number(w, add_extension(w, add_light_node(w, light), "KHR_lights_punctual"), "light",
+        (double)cJSON_GetArraySize(lights) - 1);
+}
+
 static void add_lights(writer *w)
 {
-    if (!w->view->light_count) return;
-    cJSON *lights = add_array(w, add_extension(w, w->root, "KHR_lights_punctual"), "lights");
+    cJSON *lights = NULL;
     for (size_t i = 0; i < w->view->light_count; i++) {
         const rsv_punctual_light *light = &w->view->light[i];
-        cJSON *json = append_object(w, lights);
-        float strength = rgb_max(light->intensity), scale = strength > 0 ? strength : 1;
-        add_string(w, json, "name", light->name);
-        add_rgb(w, json, "color",
-            rgb(light->intensity.r / scale, light->intensity.g / scale,
-                light->intensity.b / scale));
-        add_float(w, json, "intensity", strength);
-        add_light_shape(w, json, light);
+        if (light->kind == RSV_PUNCTUAL_LUMINAIRE) continue;
+        if (!lights)
+            lights = add_array(w, add_extension(w, w->root, "KHR_lights_punctual"), "lights");
+        add_light(w, lights, light);
+    }
+}
 
-        cJSON *node = add_node(w, light->name);
-        add_number(w, add_extension(w, node, "KHR_lights_punctual"), "light", (double)i);
-        rsv_vec3 x = v3(1, 0, 0), y = v3(0, 1, 0), z = v3(0, 0, 1);
-        if (v3_length(light->direction) > 0) {
-            z = v3_neg(light->direction);
-            v3_frame(z, &x, &y);
-        }
-        add_frame(w, node, x, y, z, light->position);
+// ---- luminaires -----------------------------------------------------------------------------------
+
+/// A luminaire as LM-63 within the document, with its highest intensity as candela of 1 W/sr.
+static void add_profile(writer *w, cJSON *lights, const rsv_luminaire *luminaire)
+{
+    cJSON *json = append_object(w, lights);
+    char *text = NULL, *uri = NULL;
+    if (rsv_luminaire_print(w->context, luminaire, &text) == RSV_OK)
+        uri = rsv_data_uri(w->context, "application/x-ies-lm-63", text, strlen(text));
+    if (uri)
+        add_string(w, json, "uri", uri);
+    else
+        w->exhausted = true;
+    add_string(w, json, "mimeType", "application/x-ies-lm-63");
+    add_string(w, json, "name", luminaire->name);
+    rsv_free(w->context, text);
+    rsv_free(w->context, uri);
+}
+
+static void add_luminaires(writer *w)
+{
+    if (!w->view->luminaire_count) return;
+    cJSON *lights = add_array(w, add_extension(w, w->root, "EXT_lights_ies"), "lights");
+    for (size_t k = 0; k < w->view->luminaire_count; k++)
+        add_profile(w, lights, &w->view->luminaire[k]);
+    for (size_t i = 0; i < w->view->light_count; i++) {
+        const rsv_punctual_light *light = &w->view->light[i];
+        if (light->kind != RSV_PUNCTUAL_LUMINAIRE) continue;
+        float strength = rgb_max(light->intensity), scale = strength > 0 ? 1 / strength : 0;
+        cJSON *json = add_extension(w, add_light_node(w, light), "EXT_lights_ies");
+        add_number(w, json, "light", light->luminaire);
+        add_number(w, json, "multiplier", RSV_LUMEN_PER_WATT * (double)strength);
+        add_rgb(w, json, "color", strength > 0 ? rgb_scale(light->intensity, scale) : rgb_gray(1));
+        const float opening[] = { light->opening.x, light->opening.y, light->opening.z };
+        if (rsv_punctual_is_extended(light))
+            add_floats(w, add_object(w, json, "extras"), "opening", opening, 3);
     }
 }
 
@@ -459,6 +512,7 @@ static char *print_json(writer *w)
     add_objects(w);
     add_cameras(w);
     add_lights(w);
+    add_luminaires(w);
     add_materials(w);
     add_buffer_views(w);
     if (!cJSON_GetArraySize(w->extensions_used)) // the format knows no empty arrays

@@ -121,6 +121,7 @@ rsv_status rsv_scene_load_with(
     else
         RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
     rsv_set_sides(desc, loaded);
+    RSV_TRY(rsv_scene_load_luminaires(loaded, desc->luminaire, desc->luminaire_count));
     RSV_TRY(rsv_scene_commit(loaded));
     *scene = loaded;
     return RSV_OK;

@@ -10,6 +10,7 @@ enum { symmetry_none, symmetry_round, symmetry_0_180, symmetry_90_270, symmetry_
 /// The facts that matter here.
 typedef struct eulumdat_facts {
     double type, symmetry, planes, plane_step, angles, angle_step, length, width, height;
+    double bright_length, bright_width, bright_height; ///< of the luminous area, mm
     double conversion, sets, lumens, watts;
 } eulumdat_facts;
 
@@ -71,7 +72,14 @@ static rsv_status read_body(rsv_luminaire_text *t, eulumdat_facts *f)
     RSV_TRY(read_line(t, "the length", sizes, &f->length));
     RSV_TRY(read_line(t, "the width", sizes, &f->width));
     RSV_TRY(read_line(t, "the height", sizes, &f->height));
-    RSV_TRY(skip_lines(t, 8));
+    RSV_TRY(read_line(t, "the length of the luminous area", sizes, &f->bright_length));
+    RSV_TRY(read_line(t, "the width of the luminous area", sizes, &f->bright_width));
+    for (int k = 0; k < 4; k++) {
+        double height;
+        RSV_TRY(read_line(t, "the height of the luminous area", sizes, &height));
+        f->bright_height = fmax(f->bright_height, height);
+    }
+    RSV_TRY(skip_lines(t, 2));
     RSV_TRY(read_line(t, "the conversion factor", any, &f->conversion));
     RSV_TRY(skip_lines(t, 1));
     RSV_TRY(read_line(t, "the number of sets of lamps", sets, &f->sets));
@@ -125,6 +133,19 @@ static rsv_status read_planes(
     return RSV_OK;
 }
 
+/// The luminous area; that of the housing where the file states none. Its length lies along C = 90, where LM-63 has the
+/// width; without a width it is round.
+static void set_opening(rsv_luminaire *l, const eulumdat_facts *f)
+{
+    bool stated = f->bright_length > 0;
+    double length = (stated ? f->bright_length : f->length) / 1000,
+           width = (stated ? f->bright_width : f->width) / 1000;
+    bool round = length > 0 && width == 0;
+    l->width = round ? -length : length;
+    l->length = round ? -length : width;
+    l->height = stated ? f->bright_height / 1000 : 0;
+}
+
 rsv_status rsv_luminaire_read_eulumdat(rsv_luminaire_text *t)
 {
     eulumdat_facts f = { 0 };
@@ -143,7 +164,7 @@ rsv_status rsv_luminaire_read_eulumdat(rsv_luminaire_text *t)
     RSV_TRY(rsv_luminaire_intensities(t, f.lumens / 1000 * (f.conversion > 0 ? f.conversion : 1)));
     l->type = RSV_PHOTOMETRY_C;
     rsv_luminaire_close(l);
-    l->length = f.length / 1000, l->width = f.width / 1000, l->height = f.height / 1000;
+    set_opening(l, &f);
     l->lamp_lumens = f.lumens, l->watts = f.watts;
 cleanup:
     return status;

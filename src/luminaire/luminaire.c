@@ -1,79 +1,18 @@
 /// Intensities between the angles of a file, by its symmetry, and their integral.
-#include "resolvent/luminaire.h"
+#include "intensity.h"
 #include "../core/core.h"
-#include "../core/vec.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define DEGREES (M_PI / 180)
-#define SLACK 1e-3 ///< degrees that a file's last angle may fall short
-
-/// The interval of ascending angles that holds a value, and where in it. @return false beyond them
-static bool find_interval(
-    const float *angle, uint32_t count, double value, uint32_t *index, double *within)
-{
-    if (value < (double)angle[0] - SLACK || value > (double)angle[count - 1] + SLACK) return false;
-    uint32_t low = 0, high = count - 1;
-    while (high - low > 1) {
-        uint32_t middle = (low + high) / 2;
-        if ((double)angle[middle] <= value)
-            low = middle;
-        else
-            high = middle;
-    }
-    double step = (double)(angle[high] - angle[low]);
-    *index = low;
-    *within = step > 0 ? fmin(fmax((value - (double)angle[low]) / step, 0), 1) : 0;
-    return true;
-}
-
-/// Brings a horizontal angle of type C into what the file holds.
-static double fold_c(const rsv_luminaire *l, double c)
-{
-    double first = (double)l->horizontal[0], last = (double)l->horizontal[l->horizontal_count - 1];
-    double span = last - first;
-    if (l->horizontal_count == 1) return first;
-    c = fmod(fmod(c - first, 360) + 360, 360); // from the first plane on
-    if (span > 180 + SLACK) return first + c;  // planes all around
-    if (c > 180) c = 360 - c;                  // mirrored at the first plane
-    if (span > 90 + SLACK) return first + c;
-    return first + (c > 90 ? 180 - c : c); // at the second one as well
-}
-
-/// Of types A and B, which may state one half of the angles.
-static double fold_half(const float *angle, double value)
-{
-    return angle[0] >= 0 ? fabs(value) : value;
-}
-
-static void find_angles(const rsv_luminaire *l, rsv_vec3 d, double *vertical, double *horizontal)
-{
-    double x = (double)d.x, y = (double)d.y, z = (double)d.z;
-    if (l->type == RSV_PHOTOMETRY_C) {
-        *vertical = atan2(hypot(x, z), -y) / DEGREES;
-        *horizontal = fold_c(l, atan2(z, x) / DEGREES);
-        return;
-    }
-    bool floodlight = l->type == RSV_PHOTOMETRY_B;
-    double latitude = atan2(floodlight ? x : y, floodlight ? hypot(y, z) : hypot(x, z)) / DEGREES;
-    double turn = atan2(floodlight ? y : x, z) / DEGREES;
-    *vertical = fold_half(l->vertical, floodlight ? turn : latitude);
-    *horizontal = fold_half(l->horizontal, floodlight ? latitude : turn);
-}
+#define SLACK RSV_LUMINAIRE_SLACK
 
 double rsv_luminaire_intensity(const rsv_luminaire *l, rsv_vec3 direction)
 {
-    double vertical, horizontal, v, h;
-    uint32_t i, j;
-    find_angles(l, direction, &vertical, &horizontal);
-    if (!find_interval(l->vertical, l->vertical_count, vertical, &i, &v) ||
-        !find_interval(l->horizontal, l->horizontal_count, horizontal, &j, &h))
-        return 0;
-    const float *near = l->intensity + (size_t)j * l->vertical_count + i;
-    const float *far = near + (j + 1 < l->horizontal_count ? l->vertical_count : 0);
-    uint32_t next = i + 1 < l->vertical_count;
-    return (1 - h) * ((1 - v) * (double)near[0] + v * (double)near[next]) +
-           h * ((1 - v) * (double)far[0] + v * (double)far[next]);
+    return rsv_luminaire_towards(l, (double)direction.x, (double)direction.y, -(double)direction.z);
 }
 
 /// Weights of the ends of an interval of latitudes, radians from the pole on, of a function that is linear in between, times the sine.
@@ -139,4 +78,93 @@ double rsv_luminaire_peak(const rsv_luminaire *l)
     for (size_t k = 0; k < (size_t)l->vertical_count * l->horizontal_count; k++)
         peak = fmax(peak, (double)l->intensity[k]);
     return peak;
+}
+
+/// Largest angle to the axis, degrees, of a row's intensities above 0.
+static double widest_of_row(const rsv_luminaire *l, const float *row)
+{
+    uint32_t last = l->vertical_count;
+    while (last > 0 && !(row[last - 1] > 0))
+        last--;
+    if (last == 0) return 0;
+    return (double)l->vertical[last < l->vertical_count ? last : last - 1]; // linear up to the next
+}
+
+double rsv_luminaire_cutoff(const rsv_luminaire *l)
+{
+    double widest = 0;
+    if (l->type != RSV_PHOTOMETRY_C) return 180;
+    for (uint32_t k = 0; k < l->horizontal_count; k++)
+        widest = fmax(widest, widest_of_row(l, l->intensity + (size_t)k * l->vertical_count));
+    return fmin(widest + SLACK, 180);
+}
+
+rsv_vec3 rsv_luminaire_opening(const rsv_luminaire *l)
+{
+    bool is_c = l->type == RSV_PHOTOMETRY_C, round = l->width < 0 || l->length < 0;
+    double side = is_c ? l->length : l->width, across = is_c ? l->width : l->height,
+           deep = is_c ? l->height : l->length;
+    if (round && is_c && across == 0) across = side;
+    if (round && is_c && side == 0) side = across;
+    float sign = round && is_c ? -1 : 1;
+    return (rsv_vec3){ sign * (float)fabs(side), sign * (float)fabs(across), (float)fabs(deep) };
+}
+
+rsv_status rsv_luminaire_copy(rsv_context *context, const rsv_luminaire *from, rsv_luminaire *to)
+{
+    size_t vertical = from->vertical_count, horizontal = from->horizontal_count;
+    *to = *from;
+    to->vertical = rsv_alloc(context, vertical, sizeof *to->vertical);
+    to->horizontal = rsv_alloc(context, horizontal, sizeof *to->horizontal);
+    to->intensity = rsv_alloc(context, vertical * horizontal, sizeof *to->intensity);
+    if (!to->vertical || !to->horizontal || !to->intensity) return RSV_ERROR_MEMORY;
+    memcpy(to->vertical, from->vertical, vertical * sizeof *to->vertical);
+    memcpy(to->horizontal, from->horizontal, horizontal * sizeof *to->horizontal);
+    memcpy(to->intensity, from->intensity, vertical * horizontal * sizeof *to->intensity);
+    return RSV_OK;
+}
+
+/// Whether angles ascend within a turn; what files hold is checked as it is read.
+static bool are_angles(const float *angle, uint32_t count)
+{
+    bool sound = angle && count > 0;
+    for (uint32_t k = 0; sound && k < count; k++)
+        sound = fabsf(angle[k]) <= 720 && (k == 0 || angle[k] > angle[k - 1]);
+    return sound;
+}
+
+rsv_status rsv_luminaire_check(const rsv_luminaire *l)
+{
+    bool sound = (unsigned)l->type <= RSV_PHOTOMETRY_A && l->intensity &&
+                 are_angles(l->vertical, l->vertical_count) &&
+                 are_angles(l->horizontal, l->horizontal_count);
+    for (size_t k = 0; sound && k < (size_t)l->vertical_count * l->horizontal_count; k++)
+        sound = l->intensity[k] >= 0 && l->intensity[k] <= 1e30f;
+    sound = sound && isfinite(l->width) && isfinite(l->length) && isfinite(l->height);
+    if (sound) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "luminaire '%.100s': its angles do not ascend, or its intensities are not usable", l->name);
+}
+
+rsv_status rsv_luminaire_print(rsv_context *context, const rsv_luminaire *l, char **text)
+{
+    char *made = NULL;
+    size_t bytes = 0, count = (size_t)l->vertical_count * l->horizontal_count;
+    FILE *to = open_memstream(&made, &bytes);
+    *text = NULL;
+    if (!to) return RSV_ERROR_MEMORY;
+    int type = l->type == RSV_PHOTOMETRY_C ? 1 : l->type == RSV_PHOTOMETRY_B ? 2 : 3;
+    fprintf(to, "IESNA:LM-63-2002\n[LUMINAIRE] %s\nTILT=NONE\n1 -1 1 %u %u %d 2 %.9g %.9g %.9g\n1 1 %.9g\n",
+        l->name, l->vertical_count, l->horizontal_count, type, l->width, l->length, l->height,
+        l->watts);
+    for (uint32_t k = 0; k < l->vertical_count; k++)
+        fprintf(to, "%.9g\n", (double)l->vertical[k]);
+    for (uint32_t k = 0; k < l->horizontal_count; k++)
+        fprintf(to, "%.9g\n", (double)l->horizontal[k]);
+    for (size_t k = 0; k < count; k++)
+        fprintf(to, "%.9g\n", (double)l->intensity[k]);
+    bool good = fclose(to) == 0;
+    if (good) *text = rsv_copy_string(context, made);
+    free(made);
+    return *text ? RSV_OK : RSV_ERROR_MEMORY;
 }

@@ -108,17 +108,39 @@ void rsv_luminaire_close(rsv_luminaire *l)
     l->horizontal_count++;
 }
 
+/// @param content ends with a zero
+static rsv_status read_content(
+    rsv_context *context, const char *path, char *content, rsv_luminaire *luminaire)
+{
+    rsv_luminaire_text t = { context, path, content, content, luminaire };
+    if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
+    bool ies = strstr(content, "TILT=") != NULL;
+    return ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t);
+}
+
 rsv_status rsv_luminaire_read(rsv_context *context, const char *path, rsv_luminaire *luminaire)
 {
     char *content = NULL;
     rsv_status status;
     *luminaire = (rsv_luminaire){ 0 };
     RSV_TRY(rsv_read_text_file(context, path, "a luminaire", MOST_BYTES, &content));
-    rsv_luminaire_text t = { context, path, content, content, luminaire };
-    if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
-    bool ies = strstr(content, "TILT=") != NULL;
-    RSV_TRY(ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t));
+    RSV_TRY(read_content(context, path, content, luminaire));
 cleanup:
+    rsv_free(context, content);
+    return status;
+}
+
+rsv_status rsv_luminaire_parse(rsv_context *context, const char *name, const char *text,
+    size_t bytes, rsv_luminaire *luminaire)
+{
+    *luminaire = (rsv_luminaire){ 0 };
+    if (bytes > MOST_BYTES || (bytes && memchr(text, 0, bytes)))
+        return rsv_fail(RSV_ERROR_FORMAT, "%s: is not a luminaire: it is no text", name);
+    char *content = rsv_alloc(context, bytes + 1, 1);
+    if (!content) return RSV_ERROR_MEMORY;
+    if (bytes) memcpy(content, text, bytes);
+    content[bytes] = 0;
+    rsv_status status = read_content(context, name, content, luminaire);
     rsv_free(context, content);
     return status;
 }

@@ -31,7 +31,8 @@ static void bound_lamps(rsv_mover *m)
         }
     for (size_t k = lights->distant_count; k < lights->punctual_count; k++) {
         rsv_vec3 p = scene->light[lights->punctual[k]].position;
-        low = v3_min(low, p), high = v3_max(high, p);
+        float r = rsv_punctual_radius(&scene->light[lights->punctual[k]]);
+        low = v3_min(low, v3_sub(p, v3(r, r, r))), high = v3_max(high, v3_add(p, v3(r, r, r)));
     }
     m->lamps_bounded = !lights->environment && lights->distant_count == 0;
     m->lamps = (rsv_ball){ v3_scale(v3_add(low, high), 0.5f), 0.5f * v3_length(v3_sub(high, low)) };

@@ -4,6 +4,7 @@
 #include "../scene/restore.h"
 #include "../scene/texture.h"
 #include "exchange.h"
+#include "luminaire_tensors.h"
 #include "table.h"
 
 #include <stdio.h>
@@ -253,6 +254,7 @@ rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene)
     RSV_TRY(WRITE_TABLE(file, light_columns, view.light, view.light_count));
     RSV_TRY(WRITE_NAMES(file, "scene.light.name", view.light, view.light_count));
     RSV_TRY(WRITE_NODES(file, "scene.light.node", view.light_node, view.light, view.light_count));
+    RSV_TRY(rsv_write_luminaires(file, &view));
     rsv_tensor_prefix(file, "scene.camera.");
     RSV_TRY(WRITE_TABLE(file, camera_columns, view.camera, view.camera_count));
     RSV_TRY(WRITE_NAMES(file, "scene.camera.name", view.camera, view.camera_count));
@@ -292,6 +294,8 @@ typedef struct scene_reader {
     rsv_texture_desc *desc; ///< [texture_count]
     texture_use *use;       ///< by material
     rsv_texture_ref *ref;   ///< [use_count] of those
+    rsv_luminaire *luminaire; ///< [luminaire_count]
+    size_t luminaire_count;
     rsv_environment *environment;
     cJSON *list[LISTS]; ///< names
 } scene_reader;
@@ -410,12 +414,14 @@ static rsv_status read_tables(scene_reader *r)
     RSV_TRY(read_nodes(r->file, "scene.light.node", lights, &r->light_node, &r->list[LIGHT_NODES]));
     RSV_TRY(
         read_nodes(r->file, "scene.camera.node", cameras, &r->camera_node, &r->list[CAMERA_NODES]));
+    RSV_TRY(rsv_read_luminaires(r->file, r->light, lights, &r->luminaire, &r->luminaire_count));
     if (rsv_note_get(r->file, "scene.origin"))
         RSV_TRY(
             rsv_read_fields(r->file, "scene.origin", origin_fields, COUNT_OF(origin_fields), view));
     if (cameras == 0) RSV_TRY(rsv_tensor_fail(r->file, "position", "lists no camera"));
     view->material = r->material, view->material_count = materials;
     view->light = r->light, view->light_count = lights;
+    view->luminaire = r->luminaire, view->luminaire_count = r->luminaire_count;
     view->camera = r->camera, view->camera_count = cameras;
     view->light_node = r->light_node, view->camera_node = r->camera_node;
 cleanup:
@@ -428,7 +434,9 @@ static void free_reader(scene_reader *r)
     const void *arrays[] = { view->position, view->normal, view->uv[0], view->uv[1], view->tangent,
         view->color, view->triangle, view->triangle_material, view->triangle_object, r->material,
         r->light, r->camera, r->object_name, r->light_node, r->camera_node, r->texture, r->desc,
-        r->use, r->ref, r->environment };
+        r->use, r->ref, r->environment, r->luminaire };
+    for (size_t k = 0; k < r->luminaire_count; k++)
+        rsv_luminaire_free(r->file->context, &r->luminaire[k]);
     for (size_t k = 0; k < COUNT_OF(arrays); k++)
         rsv_free(r->file->context, (void *)arrays[k]);
     for (int k = 0; k < LISTS; k++)

@@ -548,7 +548,7 @@ rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_light *s)
     rsv_status status;
     rsv_light_basis *basis = NULL;
     RSV_TRY(rsv_light_basis_create_empty(s, &basis));
-    bool many = basis->source_count > 1 && basis->source_count <= RSV_MAX_LIGHT_PARTS;
+    bool many = rsv_light_keeps_parts(s, basis);
     for (size_t k = 0; many && k < basis->source_count; k++)
         RSV_TRY(exchange_part(file, s, k, &basis->part[k]));
     rsv_light_set_basis(s, basis);

@@ -1,5 +1,6 @@
 #include "../media/phase.h"
 #include "../sources/local_lights.h"
+#include "../sources/punctual_light.h"
 #include "path_sources.h"
 
 /// Weight of a sample drawn with density `own`, which two other techniques draw with `a` and `b`.
@@ -68,6 +69,21 @@ static void add_scattered(rsv_light_path *path, const rsv_fog_vertex *v, rsv_rgb
     rsv_path_add_light(path, path->diffuse_events + 1, throughput, arriving);
 }
 
+/// Sets what arrives at the vertex from a place of a punctual light. False if nothing does.
+static bool set_punctual(
+    const rsv_path_tracer *tracer, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
+{
+    rsv_punctual_sample found;
+    if (!rsv_punctual_arriving(
+            tracer->lights->scene, from->punctual, place, v->point, &found))
+        return false;
+    from->sample = (rsv_light_sample){ .direction = found.direction,
+        .distance = found.distance,
+        .radiance = found.irradiance,
+        .emitter = RSV_NONE };
+    return true;
+}
+
 /// Density of the third technique over that of the path's own distance: per solid angle at the vertex, or for a punctual
 /// light without unit.
 static double segment_pdf(
@@ -97,12 +113,9 @@ static void gather_placed(
     rsv_light_sample *sample = &from.sample;
     double weight;
     if (from.punctual) {
-        if (!rsv_punctual_irradiance(
-                from.punctual, v->point, &sample->direction, &sample->distance, &sample->radiance))
-            return;
-        sample->emitter = RSV_NONE;
-        weight = power_heuristic((double)probability,
-                     segment_pdf(lights, v, entry, from.punctual->position), 0) /
+        rsv_vec3 place = rsv_punctual_place(from.punctual, (const float[3]){ u1, u2, u_select });
+        if (!set_punctual(path->tracer, place, v, &from)) return;
+        weight = power_heuristic((double)probability, segment_pdf(lights, v, entry, place), 0) /
                  (double)probability;
     } else {
         if (!rsv_fog_sample_emitter(&v->choice, entry, u1, u2, sample)) return;
@@ -121,9 +134,7 @@ static void gather_distant(rsv_light_path *path, const rsv_fog_vertex *v, float 
     const rsv_lights *lights = path->tracer->lights;
     for (size_t k = 0; k < lights->distant_count; k++) {
         arrival from = { .punctual = &lights->scene->light[lights->punctual[k]] };
-        from.sample.emitter = RSV_NONE;
-        if (rsv_punctual_irradiance(from.punctual, v->point, &from.sample.direction,
-                &from.sample.distance, &from.sample.radiance))
+        if (set_punctual(path->tracer, from.punctual->position, v, &from))
             add_scattered(path, v, path->throughput, &from, 1);
     }
     const rsv_environment_light *sky = lights->environment;
@@ -140,12 +151,13 @@ static void gather_distant(rsv_light_path *path, const rsv_fog_vertex *v, float 
 // ---- the third technique ------------------------------------------------------------------------
 
 /// A place on the light, as it is drawn for a whole segment. @param sample place on an emitter
+/// @param u3 of a light that has a depth
 static rsv_vec3 draw_place(
-    const rsv_fog_lights *l, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
+    const rsv_fog_lights *l, uint32_t entry, float u1, float u2, float u3, rsv_light_sample *sample)
 {
     const rsv_punctual_light *punctual = rsv_fog_light_punctual(l, entry);
     sample->emitter = RSV_NONE;
-    if (punctual) return punctual->position;
+    if (punctual) return rsv_punctual_place(punctual, (const float[3]){ u1, u2, u3 });
     sample->emitter = l->lights->sampled[entry];
     const rsv_emitter *emitter = &l->lights->emitter[sample->emitter];
     rsv_square_to_triangle(u1, u2, &sample->u, &sample->v);
@@ -155,12 +167,11 @@ static rsv_vec3 draw_place(
 
 /// Sets what arrives at the vertex from the light's place. False if nothing does.
 static bool set_arrival(
-    const rsv_fog_lights *l, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
+    const rsv_path_tracer *tracer, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
 {
+    const rsv_fog_lights *l = &tracer->fog_lights;
     rsv_light_sample *sample = &from->sample;
-    if (from->punctual)
-        return rsv_punctual_irradiance(
-            from->punctual, v->point, &sample->direction, &sample->distance, &sample->radiance);
+    if (from->punctual) return set_punctual(tracer, place, v, from);
     rsv_vec3 way = v3_sub(place, v->point);
     sample->distance = v3_length(way);
     if (!(sample->distance > 0)) return false;
@@ -201,13 +212,13 @@ static void gather_along(rsv_light_path *path, rsv_fog_vertex *v)
     rsv_path_next_pair(&path->numbers, &u1, &u2);
     uint32_t entry = rsv_alias_table_draw(l->table, l->count, (double)u_select);
     arrival from = { .punctual = rsv_fog_light_punctual(l, entry) };
-    rsv_vec3 place = draw_place(l, entry, u1, u2, &from.sample);
+    rsv_vec3 place = draw_place(l, entry, u1, u2, u_select, &from.sample);
     rsv_equiangular e = rsv_equiangular_of(v->origin, v->forward, place, v->run.begin, v->run.end);
     if (!(e.angle > 0)) return;
     double s = fmin(fmax(rsv_equiangular_sample(&e, u_distance), v->run.begin), v->run.end);
     set_place(v, s);
     v->pdf = scatter_pdf(tracer->fog, v, s);
-    if (!(v->pdf > 0) || !(s < INFINITY) || !set_arrival(l, place, v, &from)) return;
+    if (!(v->pdf > 0) || !(s < INFINITY) || !set_arrival(tracer, place, v, &from)) return;
     // the density of a place that paths hardly reach may be too small to divide by in float
     double weight =
         segment_weight(tracer, v, entry, place, &from) * (rsv_fog_density(&v->run, s) / v->pdf);

@@ -44,6 +44,13 @@ static rsv_status find_lamp(const rsv_scene *scene, uint32_t material, rsv_light
     return good ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
+void rsv_light_place_note(const rsv_punctual_light *light, rsv_light_place *place)
+{
+    place->centre = light->position;
+    place->direction = light->direction;
+    place->side = light->side;
+}
+
 rsv_status rsv_light_places_find(
     const rsv_scene *scene, const rsv_source *source, size_t count, rsv_light_place *place)
 {
@@ -52,7 +59,7 @@ rsv_status rsv_light_places_find(
         if (source[k].kind == RSV_SOURCE_MATERIAL)
             status = find_lamp(scene, source[k].index, &place[k]);
         else if (source[k].kind == RSV_SOURCE_LIGHT)
-            place[k].centre = scene->light[source[k].index].position;
+            rsv_light_place_note(&scene->light[source[k].index], &place[k]);
     }
     return status;
 }
@@ -65,11 +72,34 @@ void rsv_light_places_free(rsv_context *context, rsv_light_place *place, size_t 
     }
 }
 
-void rsv_light_place_move(
-    rsv_scene *scene, const rsv_source *source, const rsv_light_place *place, rsv_vec3 offset)
+/// Turns a vector as the shortest turn from one direction to another does; half a turn is about any axis.
+static rsv_vec3 turn_along(rsv_vec3 v, rsv_vec3 from, rsv_vec3 to)
 {
-    if (source->kind == RSV_SOURCE_LIGHT)
+    rsv_vec3 axis = v3_cross(from, to), other;
+    float cosine = v3_dot(from, to);
+    if (cosine < -0.999999f) {
+        v3_frame(from, &axis, &other);
+        return v3_sub(v3_scale(axis, 2 * v3_dot(axis, v)), v);
+    }
+    // Rodrigues' formula
+    rsv_vec3 turned = v3_mad(v3_cross(axis, v), 1, v3_scale(v, cosine));
+    return v3_mad(turned, v3_dot(axis, v) / (1 + cosine), axis);
+}
+
+static void aim_light(rsv_punctual_light *light, const rsv_light_place *place, rsv_vec3 aim)
+{
+    bool turned = v3_dot(aim, aim) > 0;
+    light->direction = turned ? aim : place->direction;
+    light->side = turned ? turn_along(place->side, place->direction, aim) : place->side;
+}
+
+void rsv_light_place_move(rsv_scene *scene, const rsv_source *source, const rsv_light_place *place,
+    rsv_vec3 offset, rsv_vec3 aim)
+{
+    if (source->kind == RSV_SOURCE_LIGHT) {
         scene->light[source->index].position = v3_add(place->centre, offset);
+        aim_light(&scene->light[source->index], place, aim);
+    }
     for (size_t k = 0; k < place->vertex_count; k++)
         scene->position[place->vertex[k]] = v3_add(place->home[k], offset);
 }

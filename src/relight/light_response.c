@@ -194,10 +194,8 @@ cleanup:
 static rsv_status create_groups(builder *b)
 {
     size_t sources = b->basis->source_count;
-    if (sources > RSV_MAX_LIGHT_PARTS)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "light by light: the scene has %zu lights; at most %d are kept apart", sources,
-            RSV_MAX_LIGHT_PARTS);
+    rsv_status status = rsv_light_basis_check(b->whole, b->basis);
+    if (status != RSV_OK) return status;
     b->group = rsv_alloc(b->s->context, sources, sizeof *b->group);
     b->r->name = rsv_alloc(b->s->context, sources, sizeof *b->r->name);
     b->r->definition = rsv_alloc(b->s->context, sources, sizeof *b->r->definition);

@@ -19,7 +19,7 @@ typedef struct rsv_light_responses {
     bool sky_last;               ///< the last one is of the surroundings and of nothing else
 } rsv_light_responses;
 
-/// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_LIGHT_PARTS sources. The solution must outlive the responses.
+/// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_PART_BYTES. The solution must outlive the responses.
 rsv_status rsv_light_responses_create(const rsv_light *solution, rsv_light_responses **responses);
 void rsv_light_responses_destroy(rsv_light_responses *responses);
 

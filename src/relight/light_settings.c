@@ -16,14 +16,16 @@ rsv_status rsv_light_settings_allocate(
 {
     s->scale = rsv_alloc(context, sources, sizeof *s->scale);
     s->offset = rsv_alloc(context, sources, sizeof *s->offset);
+    s->aim = rsv_alloc(context, sources, sizeof *s->aim);
     s->base_color = rsv_alloc(context, materials, sizeof *s->base_color);
-    return s->scale && s->offset && s->base_color ? RSV_OK : RSV_ERROR_MEMORY;
+    return s->scale && s->offset && s->aim && s->base_color ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
 {
     rsv_free(context, s->scale);
     rsv_free(context, s->offset);
+    rsv_free(context, s->aim);
     rsv_free(context, s->base_color);
     *s = (rsv_light_settings){ 0 };
 }
@@ -117,6 +119,34 @@ static rsv_status read_move(
     return known ? RSV_OK : fail_unknown_light(home, move->name);
 }
 
+static bool can_turn(const rsv_light_settings_home *home, const rsv_source *source)
+{
+    return source->kind == RSV_SOURCE_LIGHT &&
+           rsv_punctual_has_direction(&home->scene->light[source->index]);
+}
+
+static rsv_status read_aim(
+    const rsv_light_settings_home *home, const rsv_light_aim *aim, rsv_light_settings *wanted)
+{
+    bool known = false;
+    float length = v3_length(aim->direction);
+    if (!(length > 0) || !isfinite(length))
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be turned: no direction", aim->name);
+    const bool own = is_own_name(home, aim->name);
+    for (size_t k = 0; k < home->source_count; k++) {
+        if (!is_meant(&home->source[k], aim->name, own)) continue;
+        if (!can_turn(home, &home->source[k]))
+            return rsv_fail(RSV_ERROR_UNSUPPORTED,
+                "relight: light '%s' cannot be turned: only spot lights, luminaires and "
+                "directional lights can",
+                aim->name);
+        wanted->aim[k] = v3_scale(aim->direction, 1 / length);
+        known = true;
+    }
+    return known ? RSV_OK : fail_unknown_light(home, aim->name);
+}
+
 rsv_status rsv_gathered_scale(
     const rsv_light_settings_home *home, const rsv_light_settings *settings, rsv_rgb *scale)
 {
@@ -184,6 +214,7 @@ static void begin_as_home(const rsv_light_settings_home *home, rsv_light_setting
     size_t sources = home->source_count;
     if (sources) memcpy(wanted->scale, home->settings->scale, sources * sizeof *wanted->scale);
     if (sources) memcpy(wanted->offset, home->settings->offset, sources * sizeof *wanted->offset);
+    if (sources) memcpy(wanted->aim, home->settings->aim, sources * sizeof *wanted->aim);
     memcpy(wanted->base_color, home->settings->base_color,
         home->scene->material_count * sizeof *wanted->base_color);
     wanted->rotation = home->settings->rotation;
@@ -212,6 +243,8 @@ rsv_status rsv_light_settings_read(
     RSV_TRY(rsv_gathered_scale(home, wanted, &gathered));
     for (size_t i = 0; i < desc->move_count; i++)
         RSV_TRY(read_move(home, &desc->move[i], wanted));
+    for (size_t i = 0; i < desc->aim_count; i++)
+        RSV_TRY(read_aim(home, &desc->aim[i], wanted));
     for (size_t i = 0; i < desc->albedo_count; i++)
         RSV_TRY(read_albedo(home->scene, &desc->albedo[i], wanted));
     RSV_TRY(read_turn(home->scene, desc, wanted));

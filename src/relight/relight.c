@@ -88,7 +88,7 @@ cleanup:
     return status;
 }
 
-/// All parts there are, of those that are away also the one at home. @param part [2 RSV_MAX_LIGHT_PARTS] @return how many
+/// All parts there are, of those that are away also the one at home. @param part [2 source_count] @return how many
 static size_t list_parts(rsv_relighter *r, rsv_light_part **part)
 {
     size_t count = 0;
@@ -109,7 +109,7 @@ static size_t level_cells(const rsv_relighter *r)
 static rsv_status refine_levels(rsv_relighter *r)
 {
     rsv_status status;
-    rsv_light_part *part[2 * RSV_MAX_LIGHT_PARTS];
+    rsv_light_part **part = r->listed;
     if (r->refined && r->began) {
         RSV_TRY(rsv_light_take_levels(r->light, r->began));
         rsv_relighter_return_levels(r);

@@ -126,7 +126,7 @@ rsv_status rsv_relight_responses_create(rsv_relighter *r, rsv_relight_responses 
     rsv_relight_responses *own = rsv_alloc(r->context, 1, sizeof *own);
     RSV_TRY(field && sky && own ? RSV_OK : RSV_ERROR_MEMORY);
     own->context = r->context;
-    own->of_source = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *own->of_source);
+    own->of_source = rsv_alloc(r->context, r->basis->source_count, sizeof *own->of_source);
     RSV_TRY(own->of_source ? RSV_OK : RSV_ERROR_MEMORY);
     own->count = group_sources(r, own->of_source);
     if (!own->count || own->count * nodes * 2 * sizeof(rsv_rgb) > RSV_MAX_RESPONSE_BYTES)
@@ -167,7 +167,7 @@ void rsv_relight_responses_forget(rsv_relighter *r)
 
 void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_relighter *r)
 {
-    rsv_rgb scale[RSV_MAX_LIGHT_PARTS];
+    rsv_rgb *scale = r->factor;
     for (size_t k = 0; k < r->basis->source_count; k++)
         scale[own->of_source[k]] = r->now.scale[k];
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))

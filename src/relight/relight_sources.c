@@ -69,7 +69,8 @@ static bool same_place(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y
 
 static bool is_moved(const rsv_relighter *r, size_t k)
 {
-    return !same_place(r->wanted.offset[k], r->now.offset[k]);
+    return !same_place(r->wanted.offset[k], r->now.offset[k]) ||
+           !same_place(r->wanted.aim[k], r->now.aim[k]);
 }
 
 /// Whether triangles are to stand elsewhere.
@@ -85,6 +86,7 @@ static bool any_body_moves(const rsv_relighter *r)
 static bool will_be_away(const rsv_relighter *r, size_t k)
 {
     return !same_place(r->wanted.offset[k], r->home.offset[k]) ||
+           !same_place(r->wanted.aim[k], r->home.aim[k]) ||
            (r->basis->source[k].kind == RSV_SOURCE_SURROUNDINGS &&
                r->wanted.rotation != r->home.rotation);
 }
@@ -113,7 +115,8 @@ static bool move_sources(rsv_relighter *r, bool *returned)
         bool turned =
             source->kind == RSV_SOURCE_SURROUNDINGS && r->wanted.rotation != r->now.rotation;
         bool moved = is_moved(r, k), known = leave_or_return(r, k);
-        if (moved) rsv_light_place_move(r->scene, source, &r->place[k], r->wanted.offset[k]);
+        if (moved) rsv_light_place_move(
+                r->scene, source, &r->place[k], r->wanted.offset[k], r->wanted.aim[k]);
         r->moved[k] = (moved || turned) && !known;
         r->stale[k] = !known && (r->stale[k] || r->moved[k]);
         any = any || r->moved[k];
@@ -193,7 +196,7 @@ static void combine(const rsv_relighter *r, size_t field)
     const rsv_light_basis *b = r->basis;
     size_t length = rsv_light_field_length(r->light, field);
     rsv_rgb *sum = rsv_light_field(r->light, field);
-    const rsv_rgb *part[RSV_MAX_LIGHT_PARTS];
+    const rsv_rgb **part = r->summed;
     for (size_t k = 0; k < b->source_count; k++)
         part[k] = *rsv_light_part_field(&b->part[k], field);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
@@ -271,9 +274,6 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_punctual_light *
         if (light->name && strcmp(b->source[k].name, light->name) == 0)
             return rsv_fail(
                 RSV_ERROR_ARGUMENT, "relight: there is a light '%s' already", light->name);
-    if (b->source_count == RSV_MAX_LIGHT_PARTS)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "relight: at most %d lights are kept apart",
-            RSV_MAX_LIGHT_PARTS);
     return RSV_OK;
 }
 
@@ -312,6 +312,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_punctual_light *l
     size_t k = b->source_count;
     rsv_light_effort rough = rough_effort(r);
     rsv_status status = check_added(r, light);
+    if (status == RSV_OK) status = rsv_relighter_make_room(r, k + 1);
     if (status == RSV_OK) status = rsv_scene_append_light(r->scene, light);
     if (status != RSV_OK) return status;
     uint32_t index = (uint32_t)r->scene->light_count - 1;
@@ -322,7 +323,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_punctual_light *l
     r->began = NULL;
     r->grown = true;
     r->strength[k] = added->intensity;
-    r->place[k].centre = added->position;
+    rsv_light_place_note(added, &r->place[k]);
     r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
     memset(r->moved, 0, k * sizeof *r->moved);
     r->stale[k] = r->moved[k] = true;
@@ -341,7 +342,8 @@ static rsv_relighter_change_kind kind_of_change(
     bool strengths = true, places = true, others = from->rotation == to->rotation;
     for (size_t k = 0; k < r->basis->source_count; k++) {
         strengths = strengths && same_color(from->scale[k], to->scale[k]);
-        places = places && same_place(from->offset[k], to->offset[k]);
+        places = places && same_place(from->offset[k], to->offset[k]) &&
+                 same_place(from->aim[k], to->aim[k]);
     }
     for (size_t m = 0; m < r->scene->material_count; m++)
         others = others && same_color(from->base_color[m], to->base_color[m]);
@@ -365,7 +367,8 @@ static bool is_as_it_began(const rsv_relighter *r)
     bool same = r->now.rotation == r->home.rotation;
     for (size_t k = 0; k < r->basis->source_count; k++)
         same = same && same_color(r->now.scale[k], r->home.scale[k]) &&
-               same_place(r->now.offset[k], r->home.offset[k]);
+               same_place(r->now.offset[k], r->home.offset[k]) &&
+               same_place(r->now.aim[k], r->home.aim[k]);
     for (size_t m = 0; m < r->scene->material_count; m++)
         same = same && same_color(r->now.base_color[m], r->home.base_color[m]);
     return same;

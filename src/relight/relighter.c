@@ -14,36 +14,50 @@ static rsv_status find_basis(rsv_relighter *r)
     }
     r->basis = rsv_light_edit_basis(r->light);
     rsv_light_basis_apply_scales(r->light, r->basis);
-    return r->basis->source_count <= RSV_MAX_LIGHT_PARTS
-               ? RSV_OK
-               : rsv_fail(RSV_ERROR_UNSUPPORTED,
-                     "relight: the scene has %zu lights; at most %d are kept apart",
-                     r->basis->source_count, RSV_MAX_LIGHT_PARTS);
+    return rsv_light_basis_check(r->light, r->basis);
 }
 
-/// Makes room in a basis for all sources that there may ever be.
-static rsv_status make_room(rsv_relighter *r)
+/// Room for `to` in place of `from` elements.
+static rsv_status widen(rsv_context *context, void *array, size_t from, size_t to, size_t size)
+{
+    void **held = array, *wider = rsv_alloc(context, to, size);
+    if (!wider) return RSV_ERROR_MEMORY;
+    if (*held && from) memcpy(wider, *held, from * size);
+    rsv_free(context, *held);
+    *held = wider;
+    return RSV_OK;
+}
+
+rsv_status rsv_relighter_make_room(rsv_relighter *r, size_t sources)
 {
     rsv_light_basis *b = r->basis;
-    size_t count = b->source_count;
-    rsv_light_basis more = { .source =
-                                 rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->source),
-        .part = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->part),
-        .scale = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->scale) };
-    bool made = more.source && more.part && more.scale;
-    if (made && count) {
-        memcpy(more.source, b->source, count * sizeof *b->source);
-        memcpy(more.part, b->part, count * sizeof *b->part);
-        memcpy(more.scale, b->scale, count * sizeof *b->scale);
+    rsv_light_settings *settings[] = { &r->home, &r->now, &r->wanted };
+    rsv_status status = RSV_OK;
+    if (sources <= r->capacity) return RSV_OK;
+    size_t count = b->source_count, to = sources + sources / 2;
+    size_t from = r->capacity ? count : 0; // the basis alone comes with sources
+    RSV_TRY(widen(r->context, &b->source, count, to, sizeof *b->source));
+    RSV_TRY(widen(r->context, &b->part, count, to, sizeof *b->part));
+    RSV_TRY(widen(r->context, &b->scale, count, to, sizeof *b->scale));
+    struct {
+        void *array;
+        size_t size;
+    } list[] = { { &r->strength, sizeof *r->strength },
+        { &r->place, sizeof *r->place }, { &r->stale, sizeof *r->stale },
+        { &r->moved, sizeof *r->moved }, { &r->away, sizeof *r->away },
+        { &r->home_part, sizeof *r->home_part }, { &r->began_part, sizeof *r->began_part },
+        { &r->summed, sizeof *r->summed }, { &r->factor, sizeof *r->factor },
+        { &r->listed, 2 * sizeof *r->listed } };
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++)
+        RSV_TRY(widen(r->context, list[k].array, from, to, list[k].size));
+    for (int k = 0; k < 3; k++) {
+        RSV_TRY(widen(r->context, &settings[k]->scale, from, to, sizeof(rsv_rgb)));
+        RSV_TRY(widen(r->context, &settings[k]->offset, from, to, sizeof(rsv_vec3)));
+        RSV_TRY(widen(r->context, &settings[k]->aim, from, to, sizeof(rsv_vec3)));
     }
-    rsv_free(r->context, made ? b->source : more.source);
-    rsv_free(r->context, made ? b->part : more.part);
-    rsv_free(r->context, made ? b->scale : more.scale);
-    if (!made) return RSV_ERROR_MEMORY;
-    b->source = more.source;
-    b->part = more.part;
-    b->scale = more.scale;
-    return RSV_OK;
+    r->capacity = to;
+cleanup:
+    return status;
 }
 
 /// The part of a source that is the only one is all there is.
@@ -86,27 +100,21 @@ static void note_settings(rsv_relighter *r)
 
 static rsv_status allocate(rsv_relighter *r)
 {
-    size_t sources = RSV_MAX_LIGHT_PARTS, materials = r->scene->material_count;
+    size_t materials = r->scene->material_count;
     rsv_light_settings *settings[] = { &r->home, &r->now, &r->wanted };
     for (int k = 0; k < 3; k++)
-        if (rsv_light_settings_allocate(r->context, sources, materials, settings[k]) != RSV_OK)
+        if (rsv_light_settings_allocate(r->context, 0, materials, settings[k]) != RSV_OK)
             return RSV_ERROR_MEMORY;
-    r->strength = rsv_alloc(r->context, sources, sizeof *r->strength);
-    r->place = rsv_alloc(r->context, sources, sizeof *r->place);
+    rsv_status status = rsv_relighter_make_room(r, r->basis->source_count);
+    if (status != RSV_OK) return status;
     r->moves = rsv_alloc(r->context, materials, sizeof *r->moves);
-    r->stale = rsv_alloc(r->context, sources, sizeof *r->stale);
-    r->moved = rsv_alloc(r->context, sources, sizeof *r->moved);
-    r->away = rsv_alloc(r->context, sources, sizeof *r->away);
-    r->home_part = rsv_alloc(r->context, sources, sizeof *r->home_part);
-    r->began_part = rsv_alloc(r->context, sources, sizeof *r->began_part);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
     bool surrounded = r->scene->environment.pixels != NULL;
     if (surrounded)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->strength && r->place && r->moves && r->stale && r->moved && r->away && r->home_part &&
-                   r->began_part && r->next && r->scratch && (r->environment || !surrounded)
+    return r->moves && r->next && r->scratch && (r->environment || !surrounded)
                ? RSV_OK
                : RSV_ERROR_MEMORY;
 }
@@ -141,7 +149,6 @@ rsv_status rsv_relighter_create(rsv_light *light, rsv_relighter **relighter)
     RSV_TRY(rsv_light_refuse_fog(rsv_light_get_view(light), "relighting"));
     RSV_TRY(begin(light, &r));
     RSV_TRY(find_basis(r));
-    RSV_TRY(make_room(r));
     RSV_TRY(fill_single_part(r));
     RSV_TRY(allocate(r));
     note_settings(r);
@@ -165,9 +172,9 @@ void rsv_relighter_destroy(rsv_relighter *r)
     // parts that few rays found are no better than none
     if (r->basis && r->stale && (r->behind || rsv_relighter_any_stale(r)))
         rsv_light_set_basis(r->light, NULL);
-    for (size_t k = 0; r->home_part && k < RSV_MAX_LIGHT_PARTS; k++)
+    for (size_t k = 0; r->home_part && k < sources; k++)
         rsv_light_part_free(context, &r->home_part[k]);
-    for (size_t k = 0; r->began_part && k < RSV_MAX_LIGHT_PARTS; k++)
+    for (size_t k = 0; r->began_part && k < sources; k++)
         rsv_light_part_free(context, &r->began_part[k]);
     rsv_light_destroy(r->began);
     rsv_transport_map_destroy(r->map);
@@ -180,6 +187,9 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_light_settings_free(context, &r->wanted);
     rsv_light_sources_release(r->sources);
     rsv_free(context, r->place);
+    rsv_free(context, (void *)r->summed);
+    rsv_free(context, r->factor);
+    rsv_free(context, (void *)r->listed);
     rsv_free(context, r->strength);
     rsv_free(context, r->stale);
     rsv_free(context, r->moved);

@@ -19,16 +19,20 @@ struct rsv_relighter {
     rsv_light_basis
         *basis; ///< the light's parts of E0, at the strengths that the sources began with
     rsv_light_part
-        *home_part; ///< [RSV_MAX_LIGHT_PARTS] of sources that are away from where they began
-    bool *away;     ///< [RSV_MAX_LIGHT_PARTS] those sources
+        *home_part; ///< [capacity] of sources that are away from where they began
+    bool *away;     ///< [capacity] those sources
     rsv_light_part
-        *began_part; ///< [RSV_MAX_LIGHT_PARTS] levels of parts at home before a refinement
+        *began_part; ///< [capacity] levels of parts at home before a refinement
     rsv_light_sources *sources; ///< at those strengths, where they stand now
     uint16_t *valid;            ///< receiver points of the direct level
     rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths
     rsv_rgb *environment;       ///< pixels at those strengths; NULL = no surroundings
     rsv_rgb environment_scale;  ///< that the scene's pixels have now
     rsv_rgb *strength;          ///< [source_count]
+    size_t capacity;            ///< sources that there is room for
+    const rsv_rgb **summed;     ///< [capacity] scratch
+    rsv_rgb *factor;            ///< [capacity] likewise
+    rsv_light_part **listed;    ///< [2 capacity] likewise
     rsv_light_place *place;     ///< [source_count]
     rsv_light_settings home, now, wanted;
     bool *stale; ///< [source_count] to be sampled in full before the light has settled
@@ -62,6 +66,9 @@ static inline bool rsv_relighter_any_stale(const rsv_relighter *r)
         any = any || r->stale[k];
     return any;
 }
+
+/// Makes room for so many sources in all that lists them.
+rsv_status rsv_relighter_make_room(rsv_relighter *relighter, size_t sources);
 
 /// The strength of a source in the scene; NULL for surroundings.
 rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source);

@@ -138,7 +138,8 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
 static void add_punctual(const receiver *r, uint32_t index, double value[3][GROUPS])
 {
     const rsv_light_view *s = r->job->solution;
-    uint32_t count = s->lights->punctual_tree ? r->job->light_samples : 1;
+    bool drawn = s->lights->punctual_tree || s->lights->extended;
+    uint32_t count = drawn ? r->job->light_samples : 1;
     rsv_rgb sum = rgb_gray(0);
     rsv_entrance entrance = entrance_of(r, 1);
     uint64_t rays = 0;
@@ -258,6 +259,67 @@ rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *prob
     if (job->noise)
         add_stored_noise(&reading, r.variance + rsv_shared_noise_variance(&r.shared, job->noise));
     return reading;
+}
+
+// ---- once for many lights -------------------------------------------------------------------------
+
+/// @return whether there is an end
+static bool find_end(
+    const receiver *r, rsv_vec3 direction, rsv_random *random, rsv_probe_end *end, bool *alone)
+{
+    const rsv_light_view *s = r->job->solution;
+    rsv_ray ray = { r->at.origin, direction, INFINITY };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) {
+        *alone = *alone || s->lights->environment;
+        return false;
+    }
+    rsv_specular_path first = rsv_specular_begin(&s->scene, &r->medium, direction, hit);
+    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
+    const rsv_specular_path *path = &gather.path;
+    *alone = *alone || !rgb_is_black(gather.emission);
+    if (gather.end != RSV_SPECULAR_DIFFUSE) return false;
+    uint32_t face = s->elements->face_of[path->back][path->triangle];
+    if (face == RSV_NONE) return false;
+    *alone = *alone || rsv_is_translucent(s, face);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
+    *end = (rsv_probe_end){ path->triangle, path->u, path->v, path->back,
+        rgb_mul(path->weight, bsdf->base_color) };
+    return true;
+}
+
+size_t rsv_probe_ends(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index,
+    rsv_probe_end *end, bool *alone)
+{
+    receiver r = set_up_receiver(job, probe);
+    uint32_t rays = GROUPS * job->gather_rays, stream = rsv_hash3(job->seed, index, 0);
+    rsv_vec3 t, b;
+    size_t count = 0;
+    v3_frame(r.at.point.normal, &t, &b);
+    for (uint32_t k = 0; k < rays; k++) {
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_random random = rsv_random_from(stream, k, 0x2f6u);
+        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r.at.point.normal);
+        if (!find_end(&r, direction, &random, &end[count], alone)) continue;
+        end[count].weight = rgb_scale(end[count].weight, 1 / (float)rays);
+        count++;
+    }
+    return count;
+}
+
+rsv_rgb rsv_probe_direct(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index)
+{
+    receiver r = set_up_receiver(job, probe);
+    double value[3][GROUPS] = { { 0 } }, sum[3] = { 0 };
+    add_emitters(&r, index, value);
+    add_punctual(&r, index, value);
+    for (int c = 0; c < 3; c++)
+        for (int g = 0; g < GROUPS; g++)
+            sum[c] += value[c][g] / GROUPS;
+    return rgb_add(r.caustic, rgb((float)sum[0], (float)sum[1], (float)sum[2]));
 }
 
 rsv_probe_job rsv_probe_job_of(

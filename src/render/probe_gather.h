@@ -18,6 +18,23 @@ typedef struct rsv_probe_job {
 rsv_probe_job rsv_probe_job_of(
     const rsv_light_view *solution, uint32_t samples, uint32_t seed, bool sources);
 
+/// Where a gather ray of a reading ends: what arrives there counts by `weight`.
+typedef struct rsv_probe_end {
+    uint32_t triangle;
+    float u, v;
+    bool back;
+    rsv_rgb weight;
+} rsv_probe_end;
+
+/// Follows the rays of a reading once, for all lights of an operator. @param end [32 * gather_rays] out
+/// @param alone out: whether light is found on the way that the ends do not tell of (lamps, sky, translucent bodies): readings
+/// are to be taken light by light @return how many ends there are
+size_t rsv_probe_ends(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index,
+    rsv_probe_end *end, bool *alone);
+
+/// What sources and stored caustics give a reading, W/m2.
+rsv_rgb rsv_probe_direct(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index);
+
 /// @param index of the reading's random numbers
 rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index);
 

@@ -139,6 +139,8 @@ static rsv_status add_light(rsv_scene *scene, const rsv_punctual_light *light, c
     rsv_status status = rsv_scene_place_light(scene, light, position, node);
     if (status == RSV_OK && is_unit(light->direction))
         scene->light[scene->light_count - 1].direction = light->direction;
+    if (status == RSV_OK && is_unit(light->side))
+        scene->light[scene->light_count - 1].side = light->side;
     return status;
 }
 
@@ -157,6 +159,8 @@ static rsv_status add_parts(rsv_scene *scene, const rsv_scene_parts *parts)
         RSV_TRY(add_texture(scene, &parts->texture[k]));
     for (size_t k = 0; k < view->material_count; k++)
         RSV_TRY(rsv_scene_add_material(scene, &view->material[k], NULL));
+    for (size_t k = 0; k < view->luminaire_count; k++)
+        RSV_TRY(rsv_scene_add_luminaire(scene, &view->luminaire[k], NULL));
     for (size_t k = 0; k < view->light_count; k++)
         RSV_TRY(add_light(scene, &view->light[k], view->light_node ? view->light_node[k] : NULL));
     for (size_t k = 0; k < view->camera_count; k++)

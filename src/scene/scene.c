@@ -1,5 +1,6 @@
 #include "scene.h"
 #include "../core/vec.h"
+#include "placed_luminaire.h"
 #include "punctual.h"
 
 #include <string.h>
@@ -96,6 +97,9 @@ void rsv_scene_destroy(rsv_scene *scene)
     release_lights_and_colors(scene);
     for (size_t i = 0; !scene->rest && i < scene->texture_count; i++)
         rsv_texture_release(context, &scene->texture[i]);
+    for (size_t i = 0; i < scene->luminaire_count; i++)
+        rsv_luminaire_free(context, &scene->luminaire[i]);
+    rsv_free(context, scene->luminaire);
     rsv_free(context, scene->camera);
     rsv_free(context, scene->camera_fixture);
     rsv_free(context, (void *)scene->camera_node);
@@ -411,7 +415,8 @@ rsv_punctual_facts rsv_punctual_facts_of(rsv_punctual_light_kind kind)
     return rsv_punctual_kind(kind);
 }
 
-static rsv_status check_light(const rsv_punctual_light *light, const char *name)
+static rsv_status check_light(
+    const rsv_scene *scene, const rsv_punctual_light *light, const char *name)
 {
     if (!rsv_punctual_kind(light->kind).name)
         return rsv_fail(RSV_ERROR_ARGUMENT,
@@ -431,14 +436,16 @@ static rsv_status check_light(const rsv_punctual_light *light, const char *name)
             RSV_ERROR_FORMAT, "light '%s': intensity must be finite and not negative", name);
     if (rsv_punctual_has_direction(light) && v3_length(light->direction) == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "light '%s': it has no direction", name);
+    float widest = light->kind == RSV_PUNCTUAL_LUMINAIRE ? RSV_PI : RSV_PI / 2;
     bool cone_ok = light->inner_cone_angle >= 0 &&
                    light->inner_cone_angle <= light->outer_cone_angle &&
-                   light->outer_cone_angle <= RSV_PI / 2 * 1.000001f;
+                   light->outer_cone_angle <= widest * 1.000001f;
     if (rsv_punctual_has_cone(light) && !cone_ok)
         return rsv_fail(RSV_ERROR_FORMAT,
             "light '%s': cone angles must be 0 <= inner <= outer <= pi/2, not %g and %g", name,
             light->inner_cone_angle, light->outer_cone_angle);
-    return RSV_OK;
+    return light->kind == RSV_PUNCTUAL_LUMINAIRE ? rsv_check_placed_luminaire(scene, light, name)
+                                                 : RSV_OK;
 }
 
 /// Where a light or camera stands, and by which node.
@@ -466,8 +473,9 @@ rsv_status rsv_scene_place_light(
     RSV_TRY(copy_name(scene, light->name, "unnamed", &name));
     stored.name = name;
     stored.position = rounded(position);
-    RSV_TRY(check_light(&stored, name));
+    RSV_TRY(check_light(scene, &stored, name));
     stored.direction = v3_normalize(light->direction);
+    stored.side = v3_length(light->side) > 0 ? v3_normalize(light->side) : v3(0, 0, 0);
     RSV_TRY(make_fixture(scene, position, node, &scene->light_fixture[scene->light_count]));
     scene->light[scene->light_count++] = stored;
     return RSV_OK;

@@ -55,6 +55,8 @@ struct rsv_scene {
         grain; ///< metres between numbers of single precision in the file (rsv_scene_note_single)
     rsv_texture *texture;
     size_t texture_count, texture_capacity;
+    rsv_luminaire *luminaire; ///< of a variant, its base's
+    size_t luminaire_count, luminaire_capacity;
     uint8_t *material_varies; ///< [material_count]; filled by commit
 
     // object space; released by commit

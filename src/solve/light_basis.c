@@ -100,6 +100,29 @@ void rsv_light_basis_apply_scales(const rsv_light *s, rsv_light_basis *b)
     }
 }
 
+static size_t bytes_of_parts(const rsv_light *s, const rsv_light_basis *b)
+{
+    size_t values = 0;
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        values += rsv_light_field_length(s, field);
+    return b->source_count * values * sizeof(rsv_rgb);
+}
+
+bool rsv_light_keeps_parts(const rsv_light *s, const rsv_light_basis *b)
+{
+    return b->source_count > 1 && bytes_of_parts(s, b) <= RSV_MAX_PART_BYTES;
+}
+
+rsv_status rsv_light_basis_check(const rsv_light *s, const rsv_light_basis *b)
+{
+    size_t bytes = bytes_of_parts(s, b);
+    if (bytes <= RSV_MAX_PART_BYTES) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "relight: to keep its %zu lights apart takes %.1f GiB, more than the %.0f that there are; "
+        "solve with fewer elements (--quality draft, --max-elements), or join lights",
+        b->source_count, (double)bytes / 1073741824, (double)RSV_MAX_PART_BYTES / 1073741824);
+}
+
 static rsv_status allocate_part(const rsv_light *s, rsv_light_part *part)
 {
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
@@ -243,7 +266,7 @@ rsv_status rsv_light_basis_create(const rsv_light *s, rsv_light_basis **basis)
     uint16_t *valid = NULL;
     uint64_t rays = 0;
     RSV_TRY(rsv_light_basis_create_empty(s, &b));
-    bool many = b->source_count > 1 && b->source_count <= RSV_MAX_LIGHT_PARTS;
+    bool many = rsv_light_keeps_parts(s, b);
     if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
     rsv_light_effort effort = rsv_full_light_effort(s, valid);
     for (size_t k = 0; many && k < b->source_count; k++)

@@ -33,7 +33,8 @@ typedef struct rsv_light_basis {
 rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field);
 size_t rsv_light_field_length(const struct rsv_light *solution, size_t field);
 
-/// @param basis out; without parts if there are fewer than two sources, or more than RSV_MAX_LIGHT_PARTS
+/// @param basis out; without parts if there are fewer than two sources, or their parts would take more than
+/// RSV_MAX_PART_BYTES
 rsv_status rsv_light_basis_create(const struct rsv_light *solution, rsv_light_basis **basis);
 /// A basis whose parts are to be filled.
 rsv_status rsv_light_basis_create_empty(const struct rsv_light *solution, rsv_light_basis **basis);
@@ -63,7 +64,13 @@ void rsv_light_basis_destroy(rsv_light_basis *basis);
 /// Multiplies parts by their factors, which are 1 then.
 void rsv_light_basis_apply_scales(const struct rsv_light *solution, rsv_light_basis *basis);
 
-#define RSV_MAX_LIGHT_PARTS RSV_MAX_RELIGHT_SOURCES
+/// Memory for the parts of all sources at most.
+#define RSV_MAX_PART_BYTES ((size_t)2 << 30)
+
+/// Whether the sources of a solution are kept apart: there are several, and their parts fit.
+bool rsv_light_keeps_parts(const struct rsv_light *solution, const rsv_light_basis *basis);
+/// RSV_ERROR_UNSUPPORTED where parts do not fit.
+rsv_status rsv_light_basis_check(const struct rsv_light *solution, const rsv_light_basis *basis);
 
 /// Where the solution keeps a field; all its sources together, in the first one with what rows gathered and caustics.
 rsv_rgb *rsv_light_field(const struct rsv_light *solution, size_t field);

@@ -10,18 +10,10 @@ static const rsv_vec3 everywhere = { 0, 0, 0 };
 
 // ---- by power -----------------------------------------------------------------------------------
 
-/// Luminance flux, W: what a cone leaves out of a sphere is left out.
-static double punctual_power(const rsv_punctual_light *light)
-{
-    double share =
-        rsv_punctual_has_cone(light) ? (1 - cos((double)light->outer_cone_angle)) / 2 : 1;
-    return 4 * M_PI * (double)rgb_luminance(light->intensity) * share;
-}
-
 static double power_of(const rsv_fog_lights *l, uint32_t entry)
 {
     const rsv_punctual_light *light = rsv_fog_light_punctual(l, entry);
-    if (light) return punctual_power(light);
+    if (light) return rsv_punctual_flux(l->lights->scene, light);
     return rsv_emitter_power(&l->lights->emitter[l->lights->sampled[entry]]);
 }
 
@@ -83,13 +75,18 @@ static float guess_emitter(const rsv_emitter *emitter, rsv_vec3 point)
     return rgb_luminance(emitter->radiance) / (1 / f_max(solid_angle, 1e-20f) + 0.5f / RSV_PI);
 }
 
-static float guess_punctual(const rsv_punctual_light *light, rsv_vec3 point)
+static float guess_punctual(
+    const rsv_scene_view *scene, const rsv_punctual_light *light, rsv_vec3 point)
 {
-    rsv_vec3 direction;
-    rsv_rgb irradiance;
-    float distance;
-    if (!rsv_punctual_irradiance(light, point, &direction, &distance, &irradiance)) return 0;
-    return f_min(rgb_luminance(irradiance), 1e30f);
+    rsv_punctual_sample sample;
+    rsv_vec3 towards = v3_sub(light->position, point);
+    // all of a light that has a size may shine here, though its middle does not
+    if (rsv_punctual_is_extended(light))
+        return rgb_luminance(light->intensity) /
+               f_max(v3_dot(towards, towards), 1e-4f);
+    if (!rsv_punctual_arriving(scene, light, rsv_punctual_place_by(light, 0, 0), point, &sample))
+        return 0;
+    return f_min(rgb_luminance(sample.irradiance), 1e30f);
 }
 
 static float guess_tree(const rsv_light_tree *tree, rsv_vec3 point)
@@ -138,7 +135,7 @@ void rsv_fog_lights_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *
     if (lights->punctual_tree)
         choice->probability[choice->count++] = guess_tree(lights->punctual_tree, point);
     for (uint32_t k = l->emitters; !lights->punctual_tree && k < l->count; k++)
-        choice->probability[choice->count++] = guess_punctual(rsv_fog_light_punctual(l, k), point);
+        choice->probability[choice->count++] = guess_punctual(lights->scene, rsv_fog_light_punctual(l, k), point);
     normalize(choice);
 }
 

@@ -124,6 +124,7 @@ static void list_punctual(rsv_lights *lights)
 {
     const rsv_scene_view *scene = lights->scene;
     lights->punctual_count = 0;
+    lights->extended = false;
     for (int distant = 1; distant >= 0; distant--) {
         for (size_t i = 0; i < scene->light_count; i++)
             if (rsv_punctual_is_distant(&scene->light[i]) == distant &&
@@ -131,6 +132,8 @@ static void list_punctual(rsv_lights *lights)
                 lights->punctual[lights->punctual_count++] = (uint32_t)i;
         if (distant) lights->distant_count = lights->punctual_count;
     }
+    for (size_t k = 0; k < lights->punctual_count; k++)
+        lights->extended |= rsv_punctual_is_extended(&scene->light[lights->punctual[k]]);
 }
 
 static void warn_if_dark(const rsv_lights *lights)

@@ -67,6 +67,7 @@ typedef struct rsv_lights {
     rsv_light_tree *emitter_tree; ///< over those of `sampled` not weighed; NULL = none shines
     uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
     size_t distant_count, punctual_count;
+    bool extended; ///< some of these have a size: rays to them go to different places
     rsv_light_tree *punctual_tree; ///< over those not distant; NULL = RSV_SUMMED_LIGHTS or fewer
     rsv_environment_light *environment; ///< NULL = black surroundings
 } rsv_lights;

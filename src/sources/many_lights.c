@@ -22,8 +22,11 @@ static rsv_light_bounds emitter_bounds(const rsv_emitter *e)
 
 static rsv_light_bounds punctual_bounds(const rsv_punctual_light *light)
 {
-    rsv_light_bounds bounds = { .low = light->position,
-        .high = light->position,
+    float radius = rsv_punctual_radius(light) + RSV_LUMINAIRE_GAP;
+    bool is_point = light->kind != RSV_PUNCTUAL_LUMINAIRE;
+    rsv_vec3 reach = is_point ? v3(0, 0, 0) : v3(radius, radius, radius);
+    rsv_light_bounds bounds = { .low = v3_sub(light->position, reach),
+        .high = v3_add(light->position, reach),
         .axis = v3(0, 0, 1),
         .cos_spread = -1,
         .cos_emission = 0,

@@ -1,8 +1,10 @@
-/// Punctual lights after KHR_lights_punctual, and the rays that ask whether their light and that of emitters arrives. For
+/// Punctual lights after KHR_lights_punctual, measured luminaires, and the rays that ask whether their light and that of emitters arrives. For
 /// device code too.
 #ifndef RSV_PUNCTUAL_LIGHT_H
 #define RSV_PUNCTUAL_LIGHT_H
 
+#include "../core/sampling.h"
+#include "../luminaire/intensity.h"
 #include "../scene/punctual.h"
 #include "../trace/offset.h"
 #include "lights.h"
@@ -20,6 +22,7 @@ RSV_INLINE uint32_t rsv_punctual_count(const rsv_lights *lights)
 
 typedef struct rsv_punctual_sample {
     const rsv_punctual_light *light;
+    rsv_vec3 place;     ///< of the light, that its light comes from
     rsv_vec3 direction; ///< unit, towards it
     float distance;     ///< INFINITY for distant ones
     rsv_rgb irradiance; ///< on a surface that faces it, without occlusion, times what it stands for
@@ -37,28 +40,99 @@ RSV_INLINE double rsv_spot_falloff(const rsv_punctual_light *light, double cos_a
     return light->exponent != 0 ? falloff * pow(fmax(cos_angle, 0.0), light->exponent) : falloff;
 }
 
-/// A light seen from `point`: unit direction to it, distance, and irradiance
-/// on a surface that faces it, without occlusion. False if nothing arrives.
-RSV_INLINE bool rsv_punctual_irradiance(const rsv_punctual_light *light, rsv_vec3 point,
-    rsv_vec3 *direction, float *distance, rsv_rgb *irradiance)
+/// Metres by which light leaves in front of a luminaire's opening, which often lies in a ceiling.
+#define RSV_LUMINAIRE_GAP 1e-4f
+
+/// A place on a light, evenly on an opening. @param u three numbers in [0, 1)
+RSV_INLINE rsv_vec3 rsv_punctual_place(const rsv_punctual_light *light, const float u[3])
 {
+    if (light->kind != RSV_PUNCTUAL_LUMINAIRE) return light->position;
+    rsv_vec3 size = light->opening, up = v3_cross(light->side, light->direction);
+    rsv_vec3 place = v3_mad(light->position, RSV_LUMINAIRE_GAP, light->direction);
+    float x = u[0] - 0.5f, y = u[1] - 0.5f;
+    if (!rsv_punctual_is_extended(light)) return place;
+    if (size.x < 0) {
+        rsv_square_to_disk(u[0], u[1], &x, &y);
+        x *= 0.5f, y *= 0.5f;
+    }
+    place = v3_mad(v3_mad(place, x * size.x, light->side), y * size.y, up);
+    return v3_mad(place, (u[2] - 0.5f) * size.z, light->direction);
+}
+
+/// Every other bit of 24: of stratified numbers, these halves are stratified in the plane (Morton's order).
+RSV_INLINE uint32_t rsv_even_bits(uint32_t x)
+{
+    x &= 0x555555u;
+    x = (x | x >> 1) & 0x333333u;
+    x = (x | x >> 2) & 0x0f0f0fu;
+    x = (x | x >> 4) & 0xff00ffu;
+    return (x | x >> 8) & 0xfffu;
+}
+
+/// 12 bits as a number in [0, 1), shifted around by a random one.
+RSV_INLINE float rsv_luminaire_turned(uint32_t bits, uint32_t random)
+{
+    uint32_t turned = (bits << 20) + random;
+    return rsv_unit_float(turned);
+}
+
+/// The same by one number, evenly for evenly spread ones. @param stream differs from light to light
+RSV_INLINE rsv_vec3 rsv_punctual_place_by(
+    const rsv_punctual_light *light, float u, uint32_t stream)
+{
+    float numbers[3];
+    if (!rsv_punctual_is_extended(light)) {
+        numbers[0] = numbers[1] = numbers[2] = 0.5f;
+        return rsv_punctual_place(light, numbers);
+    }
+    uint32_t bits = (uint32_t)(u * 16777216.0f);
+    numbers[0] = rsv_luminaire_turned(rsv_even_bits(bits >> 1), rsv_hash(stream));
+    numbers[1] = rsv_luminaire_turned(rsv_even_bits(bits), rsv_hash2(stream, 1));
+    numbers[2] = rsv_unit_float(rsv_hash3(bits, stream, 2));
+    return rsv_punctual_place(light, numbers);
+}
+
+/// What a light sends out along its way, per intensity. @param towards the light, unit
+RSV_INLINE double rsv_punctual_share(
+    const rsv_scene_view *scene, const rsv_punctual_light *light, rsv_vec3 towards)
+{
+    if (light->kind == RSV_PUNCTUAL_LUMINAIRE) {
+        rsv_vec3 up = v3_cross(light->side, light->direction);
+        return rsv_luminaire_towards(&scene->luminaire[light->luminaire],
+            -(double)v3_dot(towards, light->side), -(double)v3_dot(towards, up),
+            -(double)v3_dot(towards, light->direction));
+    }
+    return rsv_punctual_has_cone(light)
+               ? rsv_spot_falloff(light, -(double)v3_dot(towards, light->direction))
+               : 1;
+}
+
+/// A light seen from `point`: unit direction to a place of it, distance, and irradiance
+/// on a surface that faces it, without occlusion. False if nothing arrives.
+RSV_INLINE bool rsv_punctual_arriving(const rsv_scene_view *scene, const rsv_punctual_light *light,
+    rsv_vec3 place, rsv_vec3 point, rsv_punctual_sample *sample)
+{
+    sample->light = light;
+    sample->place = place;
     if (rgb_is_black(light->intensity)) return false;
     if (rsv_punctual_is_distant(light)) {
-        *direction = v3_neg(light->direction);
-        *distance = INFINITY;
-        *irradiance = light->intensity;
+        sample->direction = v3_neg(light->direction);
+        sample->distance = INFINITY;
+        sample->irradiance = light->intensity;
         return true;
     }
-    rsv_vec3 towards = v3_sub(light->position, point);
-    *distance = v3_length(towards);
-    if (!(*distance > 0)) return false;
-    *direction = v3_scale(towards, 1 / *distance);
-    double scale = 1 / ((double)*distance * *distance);
-    if (rsv_punctual_has_cone(light))
-        scale *= rsv_spot_falloff(light, -v3_dot(*direction, light->direction));
-    *irradiance = rgb_scale(light->intensity, (float)scale);
+    rsv_vec3 towards = v3_sub(place, point);
+    float distance = sample->distance = v3_length(towards);
+    if (!(distance > 0)) return false;
+    sample->direction = v3_scale(towards, 1 / distance);
+    double scale = rsv_punctual_share(scene, light, sample->direction);
+    scale *= 1 / ((double)distance * distance);
+    sample->irradiance = rgb_scale(light->intensity, (float)scale);
     return scale > 0;
 }
+
+/// Luminance of all that a light sends out, W; of distant ones 0.
+double rsv_punctual_flux(const rsv_scene_view *scene, const rsv_punctual_light *light);
 
 /// @param weight by which its light counts @return NULL if none can contribute
 RSV_INLINE const rsv_punctual_light *rsv_pick_punctual(
@@ -83,9 +157,10 @@ RSV_INLINE bool rsv_punctual_at(const rsv_lights *lights, rsv_vec3 point, rsv_ve
     uint32_t k, float u, rsv_punctual_sample *sample)
 {
     float weight;
-    sample->light = rsv_pick_punctual(lights, point, normal, k, u, &weight);
-    if (!sample->light || !rsv_punctual_irradiance(sample->light, point, &sample->direction,
-                              &sample->distance, &sample->irradiance))
+    const rsv_punctual_light *light = rsv_pick_punctual(lights, point, normal, k, u, &weight);
+    if (!light) return false;
+    if (!rsv_punctual_arriving(
+            lights->scene, light, rsv_punctual_place_by(light, u, k), point, sample))
         return false;
     sample->irradiance = rgb_scale(sample->irradiance, weight);
     return true;
@@ -123,7 +198,7 @@ RSV_INLINE rsv_ray rsv_shadow_ray(
 RSV_INLINE rsv_ray rsv_punctual_ray(const rsv_punctual_sample *sample, rsv_vec3 origin)
 {
     if (!(sample->distance < INFINITY)) return rsv_ray_to(origin, sample->direction, INFINITY);
-    return rsv_ray_to(origin, v3_sub(sample->light->position, origin), 1);
+    return rsv_ray_to(origin, v3_sub(sample->place, origin), 1);
 }
 
 #endif

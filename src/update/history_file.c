@@ -74,6 +74,18 @@ static uint64_t add_environment(uint64_t key, const rsv_environment *e)
     return rsv_key_add_bytes(key, e->pixels, (size_t)e->width * e->height * sizeof *e->pixels);
 }
 
+/// How a luminaire hangs, and what it sends where.
+static uint64_t add_luminaire(
+    uint64_t key, const rsv_scene_view *scene, const rsv_punctual_light *light)
+{
+    const rsv_luminaire *l = &scene->luminaire[light->luminaire];
+    key = rsv_key_add_vector(rsv_key_add_vector(key, light->side), light->opening);
+    key = rsv_key_add(rsv_key_add(key, (uint64_t)l->type), l->vertical_count);
+    key = add_numbers(key, l->vertical, l->vertical_count);
+    key = add_numbers(key, l->horizontal, l->horizontal_count);
+    return add_numbers(key, l->intensity, (size_t)l->vertical_count * l->horizontal_count);
+}
+
 uint64_t rsv_history_lights_key(const rsv_lights *lights)
 {
     uint64_t key = rsv_key_add(1, lights->sampled_count);
@@ -91,6 +103,7 @@ uint64_t rsv_history_lights_key(const rsv_lights *lights)
         key = add_color(rsv_key_add_vector(key, l->direction), l->intensity);
         const float shape[] = { l->inner_cone_angle, l->outer_cone_angle, l->exponent };
         key = add_numbers(key, shape, 3);
+        if (l->kind == RSV_PUNCTUAL_LUMINAIRE) key = add_luminaire(key, lights->scene, l);
     }
     return add_environment(key, lights->scene->environment);
 }

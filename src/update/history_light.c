@@ -1,4 +1,5 @@
 /// Where the light of sources may be another after an edit.
+#include "../scene/punctual.h"
 #include "history_internal.h"
 #include "update_constants.h"
 
@@ -12,6 +13,13 @@ static void add_source(rsv_history *p, uint32_t at, rsv_vec3 place)
     p->source[at].high = v3_max(p->source[at].high, place);
 }
 
+static void add_light(rsv_history *p, uint32_t at, const rsv_punctual_light *light)
+{
+    float r = rsv_punctual_radius(light);
+    add_source(p, at, v3_sub(light->position, v3(r, r, r)));
+    add_source(p, at, v3_add(light->position, v3(r, r, r)));
+}
+
 /// Emitters and punctual lights in their order share the boxes.
 void rsv_history_find_sources(rsv_history *p, const rsv_lights *lights)
 {
@@ -23,7 +31,7 @@ void rsv_history_find_sources(rsv_history *p, const rsv_lights *lights)
             add_source(
                 p, (uint32_t)(at / share), lights->emitter[lights->sampled[k]].corner[corner]);
     for (size_t k = lights->distant_count; k < lights->punctual_count; k++, at++)
-        add_source(p, (uint32_t)(at / share), scene->light[lights->punctual[k]].position);
+        add_light(p, (uint32_t)(at / share), &scene->light[lights->punctual[k]]);
     p->all_light_changed = p->all_light_changed || lights->distant_count > RSV_HISTORY_SOURCES;
     for (size_t k = 0; k < lights->distant_count && !p->all_light_changed; k++)
         p->sun[p->sun_count++] = v3_neg(scene->light[lights->punctual[k]].direction);

@@ -1,6 +1,6 @@
 # The program as its users meet it: one shell script per subject.
 if(TARGET resolvent_program)
-    foreach(subject usage animation files surroundings budget bad_input bake document gltf probe daylight photometry certify render solve update relight gpu view python scene cancel bench)
+    foreach(subject usage animation files surroundings budget bad_input bake document gltf probe daylight photometry luminaire certify render solve update relight gpu view python scene cancel bench)
         add_test(NAME cli_${subject} COMMAND bash
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")

@@ -150,17 +150,17 @@ static const char *extended_nodes(const folder *place)
 {
     const sketch s = square_sketch();
     return write_sketch(place, &s,
-        "\"extensionsUsed\":[\"MSFT_lod\",\"EXT_lights_ies\",\"EXT_lights_image_based\","
+        "\"extensionsUsed\":[\"MSFT_lod\",\"EXT_lights_area\",\"EXT_lights_image_based\","
         "\"ACME_nowhere\",\"KHR_mesh_quantization\"],"
         "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"a\",\"type\":\"point\","
         "\"range\":5},{\"type\":\"point\",\"range\":6}]},\"EXT_lights_image_based\":{\"lights\":[]}"
         ","
-        "\"EXT_lights_ies\":{\"lights\":[]}},"
+        "\"EXT_lights_area\":{\"lights\":[]}},"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_2\":9,\"_ID\":9},"
         "\"indices\":1}]}],\"scenes\":[{\"nodes\":[0,1],\"extensions\":{\"EXT_lights_image_based\":"
         "{"
         "\"light\":0}}}],\"nodes\":[{\"name\":\"near\",\"mesh\":0,\"foo\":1,\"extensions\":{"
-        "\"MSFT_lod\":{\"ids\":[1]},\"EXT_lights_ies\":{\"light\":0}}},{\"mesh\":0,\"foo\":2,"
+        "\"MSFT_lod\":{\"ids\":[1]},\"EXT_lights_area\":{\"light\":0}}},{\"mesh\":0,\"foo\":2,"
         "\"skin\":-1,\"extensions\":{\"MSFT_lod\":{\"ids\":[0]}}}]");
 }
 
@@ -171,7 +171,7 @@ static void each_is_named_once_with_how_many_it_affects(void **state)
     rsv_scene_destroy(load(f, extended_nodes(&place)));
     static const char *const expected[] = {
         "warning: extension 'MSFT_lod' is ignored: 2 nodes (first: node 'near')\n",
-        "warning: extension 'EXT_lights_ies' is ignored: the file itself, node 'near'\n",
+        "warning: extension 'EXT_lights_area' is ignored: the file itself, node 'near'\n",
         "warning: extension 'EXT_lights_image_based' is ignored: the file itself, scene 0\n",
         "extension 'ACME_nowhere' is listed as used, but nothing uses it\n",
         "warning: property 'foo' is ignored: 2 nodes (first: node 'near')\n",

@@ -566,32 +566,27 @@ static void point_and_directional_lights_follow_their_laws(void **state)
     rsv_punctual_light light = {
         .kind = RSV_PUNCTUAL_POINT, .position = v3(0, 3, 4), .intensity = rgb(50, 25, 0)
     };
-    rsv_vec3 direction;
-    float distance;
-    rsv_rgb irradiance;
-    assert_true(rsv_punctual_irradiance(&light, v3(0, 0, 0), &direction, &distance, &irradiance));
-    assert_float_equal(distance, 5, 1e-6);
-    assert_float_equal(direction.z, 0.8, 1e-6);
-    assert_float_equal(irradiance.r, 2, 1e-6);
-    assert_float_equal(irradiance.g, 1, 1e-6);
-    assert_false(
-        rsv_punctual_irradiance(&light, light.position, &direction, &distance, &irradiance));
+    rsv_punctual_sample s;
+    assert_true(rsv_punctual_arriving(NULL, &light, light.position, v3(0, 0, 0), &s));
+    assert_float_equal(s.distance, 5, 1e-6);
+    assert_float_equal(s.direction.z, 0.8, 1e-6);
+    assert_float_equal(s.irradiance.r, 2, 1e-6);
+    assert_float_equal(s.irradiance.g, 1, 1e-6);
+    assert_false(rsv_punctual_arriving(NULL, &light, light.position, light.position, &s));
     light.kind = RSV_PUNCTUAL_DIRECTIONAL;
     light.direction = v3(0, -1, 0);
-    assert_true(rsv_punctual_irradiance(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
-    assert_true(isinf(distance) && direction.y == 1 && irradiance.r == 50);
+    assert_true(rsv_punctual_arriving(NULL, &light, light.position, v3(9, 9, 9), &s));
+    assert_true(isinf(s.distance) && s.direction.y == 1 && s.irradiance.r == 50);
     light.intensity = rgb_gray(0);
-    assert_false(rsv_punctual_irradiance(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
+    assert_false(rsv_punctual_arriving(NULL, &light, light.position, v3(9, 9, 9), &s));
 }
 
 /// Irradiance at 1 m from a spot that looks down, `angle` off its axis.
 static float spot_at(const rsv_punctual_light *light, float angle)
 {
-    rsv_vec3 direction, point = v3(sinf(angle), -cosf(angle), 0);
-    float distance;
-    rsv_rgb irradiance;
-    bool lit = rsv_punctual_irradiance(light, point, &direction, &distance, &irradiance);
-    return lit ? irradiance.g : 0;
+    rsv_punctual_sample s;
+    rsv_vec3 point = v3(sinf(angle), -cosf(angle), 0);
+    return rsv_punctual_arriving(NULL, light, light->position, point, &s) ? s.irradiance.g : 0;
 }
 
 static void spots_fall_off_between_their_cones(void **state)

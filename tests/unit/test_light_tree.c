@@ -186,11 +186,10 @@ static double exact_irradiance(const world *w, const rsv_probe *probe)
     }
     const rsv_scene_view *view = rsv_scene_get_view(w->scene);
     for (size_t i = 0; i < view->light_count; i++) {
-        rsv_vec3 direction;
-        float distance;
-        rsv_rgb e;
-        if (rsv_punctual_irradiance(&view->light[i], probe->position, &direction, &distance, &e))
-            sum += e.g * f_max(v3_dot(direction, probe->normal), 0);
+        rsv_punctual_sample s;
+        if (rsv_punctual_arriving(
+                view, &view->light[i], view->light[i].position, probe->position, &s))
+            sum += s.irradiance.g * f_max(v3_dot(s.direction, probe->normal), 0);
     }
     return sum;
 }

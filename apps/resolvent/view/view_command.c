@@ -34,6 +34,7 @@ static const word words[] = {
     { "panorama", CLI_VIEW_PANORAMA, "t" },
     { "pick", CLI_VIEW_PICK, "nn" },
     { "place", CLI_VIEW_PLACE, "nnnn" },
+    { "point", CLI_VIEW_POINT, "nn" },
     { "quit", CLI_VIEW_QUIT, "" },
     { "release", CLI_VIEW_RELEASE, "" },
     { "reset", CLI_VIEW_RESET, "" },
@@ -70,6 +71,7 @@ const char cli_view_command_help[] =
     "  show WHAT              hud, help, stereo, markers: on if off, off if on\n"
     "  separation METRES      between the eyes of stereo\n"
     "  pick X Y, drag DX DY, release   the mouse; the picture is 1 wide and 1 high\n"
+    "  point X Y              read lux there from now on, as under the mouse; scripts print it\n"
     "  screenshot FILE        the picture without anything over it: .png, .exr, .hdr\n"
     "  panorama FILE          all around the camera, latitude over longitude\n"
     "  reset                  everything as it began\n"

@@ -29,6 +29,7 @@ typedef enum cli_view_verb {
     CLI_VIEW_PANORAMA,
     CLI_VIEW_PICK,
     CLI_VIEW_PLACE,
+    CLI_VIEW_POINT,
     CLI_VIEW_QUIT,
     CLI_VIEW_RELEASE,
     CLI_VIEW_RESET,

@@ -201,12 +201,13 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
 static void draw_numbers(const cli_view_hud *hud, const cli_view_state *state, cli_canvas *canvas)
 {
     float size = text_size(canvas), width = 27 * size;
-    float lines = 20.6f + (hud->mean.eyes > 1);
+    float lines = 20.6f + (hud->mean.eyes > 1) + (hud->reading[0] != 0);
     text_column c = open_panel(canvas, size, size, width, lines);
     write_title(&c, hud, state);
     write_stages(&c, &hud->mean);
     draw_graph(&c, hud);
     write_facts(&c, hud, state);
+    if (hud->reading[0]) write_pair(&c, "under the mouse", hud->reading, white);
 }
 
 // ---- what can be changed ----------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ typedef struct cli_view_hud {
     char message[CLI_VIEW_TEXT_LENGTH]; ///< "" = none
     uint32_t message_frames;            ///< that it has been shown for
     const char *quality;                ///< of the light on show
+    char reading[32];                   ///< under the mouse; "" = none
     char making[CLI_VIEW_TEXT_LENGTH];  ///< what is being made meanwhile; "" = nothing
 } cli_view_hud;
 

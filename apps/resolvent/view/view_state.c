@@ -248,6 +248,10 @@ static void apply_plain(cli_view_state *s, const cli_view_command *c)
     if (c->verb == CLI_VIEW_SEPARATION) s->separation = n[0];
     if (c->verb == CLI_VIEW_PICK) pick(s, n[0], n[1]);
     if (c->verb == CLI_VIEW_RELEASE) s->grabbed = false;
+    for (int k = 0; c->verb == CLI_VIEW_POINT && k < 2; k++) {
+        s->points = true;
+        s->pointer[k] = fminf(fmaxf(n[k], 0), 1);
+    }
     if (c->verb == CLI_VIEW_SCREENSHOT) set_text(s->screenshot, c->text);
     if (c->verb == CLI_VIEW_PANORAMA) set_text(s->panorama, c->text);
     if (c->verb == CLI_VIEW_RESET) reset(s);

@@ -53,6 +53,8 @@ typedef struct cli_view_state {
     float env_rotation;
     size_t selected;     ///< item_count = none
     bool grabbed;        ///< the item selected follows the mouse
+    bool points;         ///< lux are read at `pointer`
+    float pointer[2];    ///< x to the right, y down, from 0 to 1
     cli_view_item *home; ///< [item_count] as they began
     float home_rotation;
     size_t added_count; ///< lights that were added: the last items

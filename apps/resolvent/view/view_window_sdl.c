@@ -145,6 +145,7 @@ static void move_mouse(const listener *l, const SDL_MouseMotionEvent *motion)
     if (width <= 0 || height <= 0) return;
     float x = (float)motion->xrel / (float)width, y = (float)motion->yrel / (float)height;
     if (motion->state & SDL_BUTTON_LMASK) say(l, "drag", x, y);
+    say(l, "point", (float)motion->x / (float)width, (float)motion->y / (float)height);
     if (motion->state & SDL_BUTTON_RMASK) say(l, "look", -60 * x, -40 * y);
 }
 

@@ -1,0 +1,74 @@
+#include "readings.h"
+
+#include "../render/probe_gather.h"
+
+#define GROUPS 32 ///< that rsv_probe_job.gather_rays counts for
+
+typedef struct readings {
+    const rsv_light_view *whole;
+    const rsv_light_responses *responses;
+    const rsv_fit_wanted *wanted;
+    const rsv_fit_desc *desc;
+    rsv_rgb *reading;
+} readings;
+
+static rsv_probe_job job_of(const readings *r, const rsv_light_view *view)
+{
+    return rsv_probe_job_of(view, r->desc->samples, r->desc->seed, true);
+}
+
+/// What all lights give one point, by rays that they share.
+static void read_ends(
+    const readings *r, size_t point, const rsv_probe_end *end, size_t ends, rsv_rgb *reading)
+{
+    const rsv_probe *probe = &r->wanted[point].probe;
+    for (size_t l = 0; l < r->responses->count; l++) {
+        const rsv_light_view *view = r->responses->view[l];
+        rsv_probe_job job = job_of(r, view);
+        rsv_rgb sum = rsv_probe_direct(&job, probe, (uint32_t)point);
+        for (size_t k = 0; k < ends; k++)
+            sum = rgb_add(sum, rgb_mul(end[k].weight, rsv_light_view_irradiance(view,
+                                                          end[k].triangle, end[k].u, end[k].v,
+                                                          end[k].back, RSV_NONE)));
+        reading[l] = sum;
+    }
+}
+
+static void read_lights(const readings *r, size_t point, rsv_rgb *reading)
+{
+    for (size_t l = 0; l < r->responses->count; l++) {
+        rsv_probe_job job = job_of(r, r->responses->view[l]);
+        reading[l] = rsv_probe_read(&job, &r->wanted[point].probe, (uint32_t)point).irradiance;
+    }
+}
+
+static void read_point(const readings *r, size_t point, rsv_probe_end *end)
+{
+    rsv_rgb *reading = r->reading + point * r->responses->count;
+    rsv_probe_job job = job_of(r, r->whole);
+    bool alone = false;
+    size_t ends = rsv_probe_ends(&job, &r->wanted[point].probe, (uint32_t)point, end, &alone);
+    if (alone)
+        read_lights(r, point, reading);
+    else
+        read_ends(r, point, end, ends, reading);
+}
+
+rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *responses,
+    const rsv_fit_wanted *wanted, size_t count, const rsv_fit_desc *desc, rsv_rgb *reading)
+{
+    const readings r = { whole, responses, wanted, desc, reading };
+    rsv_context *context = whole->context;
+    size_t ends = (size_t)GROUPS * job_of(&r, whole).gather_rays;
+    int failed = 0;
+#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : failed)
+    {
+        rsv_probe_end *end = rsv_alloc(context, ends, sizeof *end);
+        failed += end == NULL;
+#pragma omp for schedule(dynamic, 1)
+        for (size_t k = 0; k < count; k++)
+            if (end && !rsv_cancelled(context)) read_point(&r, k, end);
+        rsv_free(context, end);
+    }
+    return failed ? RSV_ERROR_MEMORY : rsv_progress(context, "fit", 1);
+}
