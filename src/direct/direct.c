@@ -12,6 +12,7 @@ static void sample_emitters(const rsv_direct_job *job, const rsv_node_receivers 
     const rsv_direct_setting *s = &job->setting;
     const rsv_entrance entrance = rsv_direct_entrance(s, receivers);
     rsv_next_event event[LANES];
+    if (lanes == 0) return; // as gcc would fear
     for (uint32_t k = 0; k < lanes; k++) {
         uint32_t at = rsv_direct_turn(s, receivers->valid, first + k);
         float u[3];

@@ -65,8 +65,8 @@ static rsv_rgb sample_near(const rsv_voxel_air *a, uint32_t voxel, const rsv_pun
     rsv_vec3 place;
     rsv_punctual_sample sample = { .light = light };
     if (!draw_place(a->voxels, voxel, light->position, u, &place) ||
-        !rsv_punctual_irradiance(
-            light, place, &sample.direction, &sample.distance, &sample.irradiance) ||
+        !rsv_punctual_arriving(
+            a->setting.lights->lights->scene, light, light->position, place, &sample) ||
         rsv_voxels_find(a->voxels, a->setting.tracer, place) != voxel)
         return rgb_gray(0);
     ++*rays;

@@ -8,9 +8,8 @@
 
 #define MOST_BYTES ((size_t)512 << 20)
 
-/// Sources whose factors have always been alike.
+/// What sources show whose factors have always been alike.
 typedef struct mix_part {
-    bool of[RSV_MAX_RELIGHT_SOURCES];
     rsv_image *image; ///< with factors of 1; NULL = not rendered
 } mix_part;
 
@@ -21,9 +20,11 @@ struct rsv_light_mix {
     rsv_light_settings kept; ///< but for its factors, what the pictures are of
     size_t source_count, part_count;
     uint32_t replacements;
-    mix_part part[RSV_MAX_RELIGHT_SOURCES];
-    bool is_unlit;   ///< there are unlit surfaces
-    rsv_image *dark; ///< these alone; NULL = not rendered
+    uint32_t *part_of;       ///< [source_count]
+    mix_part *part;          ///< [source_count], part_count of them in use
+    rsv_rgb *scale, *wanted; ///< [source_count]
+    bool is_unlit;           ///< there are unlit surfaces
+    rsv_image *dark;         ///< these alone; NULL = not rendered
     size_t rendered;
 };
 
@@ -55,51 +56,75 @@ static void drop_pictures(rsv_light_mix *m)
     m->part_count = 0;
 }
 
+static void free_sources(rsv_light_mix *m)
+{
+    rsv_light_settings_free(m->context, &m->kept);
+    rsv_free(m->context, m->part_of);
+    rsv_free(m->context, m->part);
+    rsv_free(m->context, m->scale);
+    rsv_free(m->context, m->wanted);
+    m->part_of = NULL;
+    m->part = NULL;
+    m->scale = m->wanted = NULL;
+}
+
+/// Lights may have been added.
+static rsv_status allocate_sources(rsv_light_mix *m)
+{
+    size_t count = m->r->basis->source_count;
+    free_sources(m);
+    m->source_count = count;
+    m->part_of = rsv_alloc(m->context, count, sizeof *m->part_of);
+    m->part = rsv_alloc(m->context, count, sizeof *m->part);
+    m->scale = rsv_alloc(m->context, count, sizeof *m->scale);
+    m->wanted = rsv_alloc(m->context, count, sizeof *m->wanted);
+    if (!m->part_of || !m->part || !m->scale || !m->wanted) return RSV_ERROR_MEMORY;
+    return rsv_light_settings_allocate(m->context, count, m->r->scene->material_count, &m->kept);
+}
+
 /// All sources as one part, as places and colours are now.
-static void start_over(rsv_light_mix *m)
+static rsv_status start_over(rsv_light_mix *m)
 {
     const rsv_light_settings *now = &m->r->now;
     drop_pictures(m);
-    m->source_count = m->r->basis->source_count;
+    rsv_status status = allocate_sources(m);
+    if (status != RSV_OK) return status;
     m->replacements = m->r->replacements;
     m->kept.rotation = now->rotation;
     memcpy(m->kept.offset, now->offset, m->source_count * sizeof *now->offset);
     memcpy(
         m->kept.base_color, now->base_color, m->r->scene->material_count * sizeof *now->base_color);
-    m->part[0] = (mix_part){ .image = NULL };
-    for (size_t k = 0; k < m->source_count; k++)
-        m->part[0].of[k] = true;
     m->part_count = m->source_count > 0;
+    return RSV_OK;
 }
 
-static size_t first_of(const mix_part *part)
+static size_t first_of(const rsv_light_mix *m, size_t part)
 {
     size_t k = 0;
-    while (!part->of[k])
+    while (m->part_of[k] != part)
         k++;
     return k;
 }
 
-static rsv_rgb factor_of(const rsv_light_mix *m, const mix_part *part)
+static rsv_rgb factor_of(const rsv_light_mix *m, size_t part)
 {
-    return m->r->now.scale[first_of(part)];
+    return m->r->now.scale[first_of(m, part)];
 }
 
 /// Moves sources whose factor is not that of the part's first one to a part of their own. @return whether there are any
 static bool split(rsv_light_mix *m, size_t p)
 {
-    mix_part *part = &m->part[p], rest = { .image = NULL };
-    rsv_rgb factor = factor_of(m, part);
+    rsv_rgb factor = factor_of(m, p);
     bool any = false;
     for (size_t k = 0; k < m->source_count; k++) {
-        rest.of[k] = part->of[k] && !same_color(m->r->now.scale[k], factor);
-        part->of[k] = part->of[k] && !rest.of[k];
-        any = any || rest.of[k];
+        if (m->part_of[k] != p || same_color(m->r->now.scale[k], factor)) continue;
+        m->part_of[k] = (uint32_t)m->part_count;
+        any = true;
     }
     if (!any) return false;
-    rsv_image_destroy(part->image);
-    part->image = NULL;
-    m->part[m->part_count++] = rest;
+    rsv_image_destroy(m->part[p].image);
+    m->part[p].image = NULL;
+    m->part_count++;
     return true;
 }
 
@@ -125,32 +150,28 @@ static rsv_status render(rsv_light_mix *m, uint32_t part, rsv_image **image)
                : rsv_render(r->light, &desc, image);
 }
 
-/// What some sources show by themselves, as strong as they were in the beginning.
-static rsv_status render_part(rsv_light_mix *m, const bool *of, uint32_t part, rsv_image **image)
+/// What the sources of a part show by themselves, as strong as they were in the beginning. @param part RSV_NONE = without any
+static rsv_status render_part(rsv_light_mix *m, uint32_t part, uint32_t seed, rsv_image **image)
 {
-    rsv_rgb scale[RSV_MAX_RELIGHT_SOURCES];
     for (size_t k = 0; k < m->source_count; k++)
-        scale[k] = rgb_gray(of[k]);
-    rsv_status status = rsv_relighter_scale(m->r, scale);
-    return status == RSV_OK ? render(m, part, image) : status;
+        m->scale[k] = rgb_gray(m->part_of[k] == part);
+    rsv_status status = rsv_relighter_scale(m->r, m->scale);
+    return status == RSV_OK ? render(m, seed, image) : status;
 }
 
 /// Renders what shows and is not there yet, and puts the light back.
 static rsv_status complete(rsv_light_mix *m)
 {
-    static const bool none[RSV_MAX_RELIGHT_SOURCES] = { false };
     rsv_status status = RSV_OK;
-    rsv_rgb wanted[RSV_MAX_RELIGHT_SOURCES];
     size_t before = m->rendered;
-    memcpy(wanted, m->r->now.scale, m->source_count * sizeof *wanted);
-    for (size_t p = 0; p < m->part_count; p++) {
-        mix_part *part = &m->part[p];
-        size_t first = first_of(part);
-        if (part->image || rgb_is_black(wanted[first])) continue;
-        RSV_TRY(render_part(m, part->of, (uint32_t)first, &part->image));
+    memcpy(m->wanted, m->r->now.scale, m->source_count * sizeof *m->wanted);
+    for (uint32_t p = 0; p < m->part_count; p++) {
+        size_t first = first_of(m, p);
+        if (m->part[p].image || rgb_is_black(m->wanted[first])) continue;
+        RSV_TRY(render_part(m, p, (uint32_t)first, &m->part[p].image));
     }
-    if (!m->dark && m->is_unlit) RSV_TRY(render_part(m, none, RSV_MAX_RELIGHT_SOURCES, &m->dark));
-    if (m->rendered > before) RSV_TRY(rsv_relighter_scale(m->r, wanted));
+    if (!m->dark && m->is_unlit) RSV_TRY(render_part(m, RSV_NONE, RSV_NONE, &m->dark));
+    if (m->rendered > before) RSV_TRY(rsv_relighter_scale(m->r, m->wanted));
 cleanup:
     return status;
 }
@@ -176,7 +197,7 @@ static rsv_status add_up(const rsv_light_mix *m, rsv_image **image)
     rsv_rgb *sum = rsv_image_pixels(*image, 0);
     if (m->dark) memcpy(sum, rsv_image_const_pixels(m->dark, 0), pixels * sizeof *sum);
     for (size_t p = 0; p < m->part_count; p++)
-        if (m->part[p].image) add_part(m, m->part[p].image, factor_of(m, &m->part[p]), sum);
+        if (m->part[p].image) add_part(m, m->part[p].image, factor_of(m, p), sum);
     for (size_t k = 0; m->dark && k < pixels; k++)
         sum[k] = rgb_positive(sum[k]);
     return RSV_OK;
@@ -184,7 +205,8 @@ static rsv_status add_up(const rsv_light_mix *m, rsv_image **image)
 
 rsv_status rsv_light_mix_take(rsv_light_mix *m, rsv_image **image)
 {
-    if (!holds(m)) start_over(m);
+    rsv_status status = holds(m) ? RSV_OK : start_over(m);
+    if (status != RSV_OK) return status;
     for (size_t p = 0; p < m->part_count;)
         p += !split(m, p);
     size_t pixels = (size_t)m->picture.width * m->picture.height;
@@ -192,7 +214,7 @@ rsv_status rsv_light_mix_take(rsv_light_mix *m, rsv_image **image)
         drop_pictures(m);
         return render(m, 0, image);
     }
-    rsv_status status = complete(m);
+    status = complete(m);
     return status == RSV_OK ? add_up(m, image) : status;
 }
 
@@ -211,7 +233,6 @@ static bool shows_unlit(const rsv_scene *scene)
 rsv_status rsv_light_mix_create(
     rsv_relighter *r, const rsv_render_desc *picture, rsv_light_mix **mix)
 {
-    rsv_status status;
     bool is_solved = picture->mode == RSV_RENDER_FINAL || picture->mode == RSV_RENDER_OPERATOR;
     if (!is_solved || picture->layers)
         return rsv_fail(RSV_ERROR_ARGUMENT,
@@ -221,19 +242,14 @@ rsv_status rsv_light_mix_create(
     *m = (rsv_light_mix){
         .context = r->context, .r = r, .picture = *picture, .is_unlit = shows_unlit(r->scene)
     };
-    RSV_TRY(rsv_light_settings_allocate(
-        r->context, RSV_MAX_RELIGHT_SOURCES, r->scene->material_count, &m->kept));
     *mix = m;
-    m = NULL;
-cleanup:
-    rsv_light_mix_destroy(m);
-    return status;
+    return RSV_OK;
 }
 
 void rsv_light_mix_destroy(rsv_light_mix *m)
 {
     if (!m) return;
     drop_pictures(m);
-    rsv_light_settings_free(m->context, &m->kept);
+    free_sources(m);
     rsv_free(m->context, m);
 }

@@ -275,7 +275,8 @@ static bool find_end(
         return false;
     }
     rsv_specular_path first = rsv_specular_begin(&s->scene, &r->medium, direction, hit);
-    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
+    const rsv_lit_setting setting = { &s->scene, s->lights, r->has_caustic };
+    rsv_gather gather = rsv_gather_lit(&setting, first, random);
     const rsv_specular_path *path = &gather.path;
     *alone = *alone || !rgb_is_black(gather.emission);
     if (gather.end != RSV_SPECULAR_DIFFUSE) return false;

@@ -48,11 +48,13 @@ rsv_rgb rsv_air_light_of_entry(const rsv_air_setting *s, const rsv_air_receiver 
     rsv_punctual_sample light = { .light = rsv_fog_light_punctual(s->lights, entry) };
     const rsv_fog_choice here = { .lights = s->lights, .point = r->point };
     rsv_light_sample sample;
-    if (light.light)
-        return rsv_punctual_irradiance(
-                   light.light, r->point, &light.direction, &light.distance, &light.irradiance)
+    if (light.light) {
+        rsv_vec3 place = rsv_punctual_place_by(light.light, u[0], entry);
+        const rsv_scene_view *scene = s->lights->lights->scene;
+        return rsv_punctual_arriving(scene, light.light, place, r->point, &light)
                    ? from_punctual(s, r, &light, rays)
                    : rgb_gray(0);
+    }
     if (!rsv_fog_sample_emitter(&here, entry, u[0], u[1], &sample)) return rgb_gray(0);
     return add_sample(s, r, &sample, 1 / sample.pdf_solid_angle, rays);
 }
