@@ -130,6 +130,9 @@ typedef struct settings {
 /// Whether nothing says how the picture is to be made.
 static bool is_planned(const settings *s)
 {
+    // plans know nothing of fog so far: they refuse it where they are asked for
+    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
+    if (s->environment.fog.medium && !asked) return false;
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
 }

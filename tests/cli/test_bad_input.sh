@@ -32,7 +32,7 @@ for height in 0 -1 x 1,nan 1,2,3; do
 done
 refuses 2 'without --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
 printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
-for fogless in "render furnace ${picture[*]} --mode occlusion" "render furnace ${picture[*]} --error 0.1" "solve furnace -o $out/a.safetensors" \
+for fogless in "render furnace ${picture[*]} --mode occlusion" "render furnace -o $out/a.png --size 32x24 --error 10%" "solve furnace -o $out/a.safetensors" \
     "bake furnace -o $out/a.glb --to vertex" "view furnace --record frames --frames 1"; do
     refuses 1 'fog: .*leave out' $fogless --fog 1
 done
@@ -40,7 +40,7 @@ for boundless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --
     "probe furnace --points middle.csv -o $out/a.csv"; do
     refuses 1 'fog: .*mode reference' $boundless --fog 1 --fog-height 2
 done
-succeeds render furnace "${picture[@]}" --quality draft --fog 1,0.5,0.2
+succeeds render furnace -o fog.png "${small[@]}" --quality draft --fog 1,0.5,0.2
 succeeds probe furnace --points middle.csv -o fog.csv --quality draft --fog 1,0.5
 succeeds probe furnace --points middle.csv -o fog.csv --mode reference --samples 32 --fog 1:2:3,0.5,-0.2 --fog-height 1,0.2
 succeeds info furnace --fog 1
