@@ -1,4 +1,5 @@
 rsv_add_test(thin_film unit/test_thin_film.c)
+rsv_add_test(brush unit/test_brush.c)
 rsv_add_test(ktx unit/test_ktx.c)
 target_link_libraries(test_ktx PRIVATE PkgConfig::ZLIB PkgConfig::ZSTD)
 rsv_add_test(bsdf unit/test_bsdf.c)
