@@ -190,7 +190,7 @@ void rsv_path_gather_sources(
     for (int below = 0; below < 2; below++) {
         if (!path->aimed[below]) continue;
         rsv_vec3 normal = below ? v3_neg(s->normal) : s->normal;
-        rsv_lights_at(path->tracer->lights, s->point, normal, &path->local[below]);
+        rsv_lights_about(path->tracer->lights, s->point, normal, &path->local[below]);
         add_emitter_sample(path, s, below, u_select, u1, u2);
     }
     if (path->aimed[0] || path->aimed[1]) add_punctual_lights(path, s, path->aimed[1]);
