@@ -96,6 +96,8 @@ typedef struct rsv_material {
     float opacity; ///< coverage: light passes unchanged through the rest
     /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
     float alpha_cutoff;
+    /// Share of the emission that cameras see on straight lines, 0..1; default 1. Light and reflections have all of it.
+    float camera_emission;
 
     /// [texture_count] what varies over the surface: a texture multiplies the value above. Copied.
     const rsv_texture_ref *textures;
@@ -157,6 +159,8 @@ typedef struct rsv_punctual_light {
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
     float outer_cone_angle; ///< radians, half angle; none outside (spot)
     float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
+    /// Between the cones, with t the ramp in the cosine: false = t^2 (KHR_lights_punctual), true = t^2 (3 - 2 t) (Blender).
+    bool smooth_cone;
 } rsv_punctual_light;
 
 typedef struct rsv_camera {

@@ -443,7 +443,9 @@ bool convert_cone(const json &source, rsv_punctual_light &light)
     const double narrow = std::min(std::max(inner, 0.0), widest);
     light.inner_cone_angle = static_cast<float>(narrow);
     light.outer_cone_angle = static_cast<float>(widest);
-    light.exponent = static_cast<float>(number(member(source, "extras"), "cosExponent", 0));
+    const json &extras = member(source, "extras");
+    light.exponent = static_cast<float>(number(extras, "cosExponent", 0));
+    light.smooth_cone = flag(member(extras, "resolvent"), "smooth_cone");
     return inner > outer || narrow < inner - 1e-6 || widest < outer - 1e-6 || inner < 0 ||
            outer < 0;
 }

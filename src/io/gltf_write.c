@@ -291,8 +291,11 @@ static void add_light_shape(writer *w, cJSON *json, const rsv_punctual_light *li
     cJSON *spot = add_object(w, json, "spot");
     add_number(w, spot, "innerConeAngle", inner);
     add_number(w, spot, "outerConeAngle", outer);
-    if (light->exponent > 0)
-        add_float(w, add_object(w, json, "extras"), "cosExponent", light->exponent);
+    if (!(light->exponent > 0) && !light->smooth_cone) return;
+    cJSON *extras = add_object(w, json, "extras");
+    if (light->exponent > 0) add_float(w, extras, "cosExponent", light->exponent);
+    if (light->smooth_cone)
+        noted(w, cJSON_AddTrueToObject(add_object(w, extras, "resolvent"), "smooth_cone"));
 }
 
 static void add_lights(writer *w)

@@ -32,6 +32,7 @@ static const rsv_column light_columns[] = {
     RSV_FLOATS(rsv_punctual_light, inner_cone_angle, 1),
     RSV_FLOATS(rsv_punctual_light, outer_cone_angle, 1),
     RSV_FLOATS(rsv_punctual_light, exponent, 1),
+    RSV_FLAG(rsv_punctual_light, smooth_cone),
 };
 
 static const rsv_column camera_columns[] = {

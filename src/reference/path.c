@@ -33,6 +33,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->bounces = path->diffuse_events = 0;
     path->pdf_solid_angle = path->passed = 0;
     path->light = light;
+    path->sight = (rsv_vec3){ 0, 0, 0 };
     path->vertex.is_last = false;
 }
 
@@ -207,11 +208,11 @@ static void follow(rsv_light_path *path)
             return;
         }
         cross_medium(path, &s);
+        rsv_path_add_emission(path, &s, hit.t);
         if (passes(path, &s, hit.t)) {
             if (!survives_roulette(path)) return;
             continue;
         }
-        rsv_path_add_emission(path, &s, hit.t);
         if (!scatter(path, &s) || !survives_roulette(path)) return;
     }
 }
@@ -223,6 +224,7 @@ void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
     start_path(&path, tracer, medium, id, light);
     path.ray = *ray;
     path.departure = ray->origin;
+    path.sight = ray->direction;
     follow(&path);
 }
 

@@ -55,11 +55,20 @@ rsv_medium rsv_path_medium_beside(const rsv_light_path *path, const rsv_path_sur
     return medium;
 }
 
+/// Whether it still runs as the camera's ray did.
+static bool is_sight(const rsv_light_path *path)
+{
+    rsv_vec3 a = path->ray.direction, b = path->sight;
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, float distance)
 {
     const rsv_lights *lights = path->tracer->lights;
     if (s->bsdf->unlit && path->diffuse_events == 0 && (s->front || s->bsdf->double_sided))
-        add_light(path, 0, rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission));
+        add_light(path, 0,
+            rgb_scale(
+                rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission), s->bsdf->opacity));
     uint32_t index = rsv_emitter_at(lights, s->triangle, s->u, s->v);
     if (index == RSV_NONE) return;
     const rsv_emitter *emitter = &lights->emitter[index];
@@ -73,8 +82,9 @@ void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, floa
             &path->local[path->below], index, path->ray.direction, path->passed + distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
+    if (is_sight(path)) weight *= path->tracer->scene->material[s->material].camera_emission;
     rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission);
-    add_light(path, path->diffuse_events, rgb_scale(arriving, weight));
+    add_light(path, path->diffuse_events, rgb_scale(arriving, weight * s->bsdf->opacity));
 }
 
 void rsv_path_add_environment(rsv_light_path *path)

@@ -25,6 +25,7 @@ typedef struct rsv_light_path {
     rsv_medium medium;  ///< that the ray runs through
     float start_ior;    ///< of the medium that the path started in
     bool settled;       ///< has met the surface of a body, and so knows where it started
+    rsv_vec3 sight;     ///< direction of the camera's ray; 0 = there is none
     uint32_t bounces, diffuse_events;
     /// With which the last surface chose the ray; 0 = next-event estimation could not have found
     /// what the ray finds.
@@ -50,7 +51,7 @@ void rsv_path_add_light(
 rsv_medium rsv_path_medium_beside(
     const rsv_light_path *path, const rsv_path_surface *s, bool below);
 
-/// Of the surface that the ray has met at that distance.
+/// Of the surface that the ray has met at that distance, as far as it covers.
 void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, float distance);
 
 /// Of the surroundings, seen by a ray that left the scene.

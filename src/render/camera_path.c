@@ -18,10 +18,20 @@ typedef struct tree {
     const rsv_lights *lights;
     const rsv_camera_setting *setting;
     const rsv_pixel_sample *sample;
+    rsv_vec3 start; ///< direction that the camera's ray had
     link stack[STACK];
     int depth;
     rsv_rgb radiance;
 } tree;
+
+/// Share of the emission that is seen there.
+static float emission_seen(const tree *t, const rsv_specular_path *path)
+{
+    rsv_vec3 a = path->direction, b = t->start;
+    if (a.x != b.x || a.y != b.y || a.z != b.z) return 1;
+    const rsv_scene_view *scene = t->lights->scene;
+    return scene->material[scene->triangle_material[path->triangle]].camera_emission;
+}
 
 static void add_emission(tree *t, const link *at)
 {
@@ -30,6 +40,7 @@ static void add_emission(tree *t, const link *at)
     const rsv_bsdf *bsdf = rsv_specular_bsdf(t->scene, path, &storage);
     if (!rsv_side_shows_emission(bsdf, path->back)) return;
     float weight = rsv_rough_emission_weight(t->scene, t->lights, path, &at->departure);
+    weight *= emission_seen(t, path);
     rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
     rsv_rgb throughput = rsv_specular_throughput(t->scene, path, &path->medium);
     t->radiance = rgb_add(t->radiance, rgb_mul(throughput, emission));
@@ -120,6 +131,7 @@ rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path pat
     t.lights = setting->lights;
     t.setting = setting;
     t.sample = sample;
+    t.start = path.direction;
     t.radiance = rgb_gray(0);
     t.depth = 1;
     t.stack[0] = (link){ .path = path, .trail = trail };

@@ -33,7 +33,8 @@
         "diffuseTransmissionColorFactor")                                                          \
     NUMBER(scatter_distance, 3, 0, 0, RSV_MOST_OF_MATERIAL, RSV_IN_EXTRAS, "scatter_distance")     \
     NUMBER(opacity, 1, 1, 0, 1, NULL, NULL)                                                        \
-    NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)
+    NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)                                \
+    NUMBER(camera_emission, 1, 1, 0, 1, RSV_IN_EXTRAS, "camera_emission")
 
 /// TEXTURE(role, field, channel, srgb, extension, key): the field is multiplied by `channel` (r, g, a or rgb) of a texture with
 /// RSV_TEXTURE_##role, in glTF `key` of `extension`. Textures that do more have code of their own (base colour, normals, ...).

@@ -26,14 +26,14 @@ typedef struct rsv_punctual_sample {
 } rsv_punctual_sample;
 
 /// Share of a spot's intensity at the cosine of the angle to its axis: the extension's recommended
-/// falloff, the square of a ramp in the cosine between the cones; a step where they coincide.
+/// falloff, the square of a ramp in the cosine between the cones, or a smooth step; a step where they coincide.
 RSV_INLINE double rsv_spot_falloff(const rsv_punctual_light *light, double cos_angle)
 {
     double cos_inner = cos((double)light->inner_cone_angle);
     double cos_outer = cos((double)light->outer_cone_angle);
     if (cos_angle < cos_outer) return 0;
     double ramp = cos_inner > cos_outer ? (cos_angle - cos_outer) / (cos_inner - cos_outer) : 1;
-    double falloff = ramp < 1 ? ramp * ramp : 1;
+    double falloff = ramp < 1 ? ramp * ramp * (light->smooth_cone ? 3 - 2 * ramp : 1) : 1;
     return light->exponent != 0 ? falloff * pow(fmax(cos_angle, 0.0), light->exponent) : falloff;
 }
 

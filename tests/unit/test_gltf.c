@@ -51,6 +51,7 @@ static void assert_same_light(const rsv_punctual_light *a, const rsv_punctual_li
     if (a->kind != RSV_PUNCTUAL_SPOT) return;
     assert_close(a->inner_cone_angle, b->inner_cone_angle);
     assert_close(a->outer_cone_angle, b->outer_cone_angle);
+    assert_true(a->smooth_cone == b->smooth_cone);
     assert_close(a->exponent, b->exponent);
 }
 
@@ -152,12 +153,14 @@ static void add_odd_materials(rsv_scene *scene)
 static void add_lights_and_cameras(rsv_scene *scene)
 {
     const rsv_punctual_light lights[] = {
-        { "point", RSV_PUNCTUAL_POINT, { 1, 2, 3 }, { 0, 0, 0 }, { 3, 2, 1 }, 0, 0, 0 },
+        { "point", RSV_PUNCTUAL_POINT, { 1, 2, 3 }, { 0, 0, 0 }, { 3, 2, 1 }, 0, 0, 0, false },
         { "spot", RSV_PUNCTUAL_SPOT, { 0.1f, 2, 3 }, { 0.6f, -0.8f, 0 }, { 0.5f, 0.5f, 2 }, 0.3f,
-            RSV_PI / 2, 2.5f },
-        { "sun", RSV_PUNCTUAL_DIRECTIONAL, { 0, 0, 0 }, { 0, -1, 0 }, { 1e5f, 9e4f, 8e4f }, 0, 0,
-            0 },
-        { "off", RSV_PUNCTUAL_POINT, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0, 0 },
+            RSV_PI / 2, 2.5f, false },
+        { "smooth", RSV_PUNCTUAL_SPOT, { 1, 2, 3 }, { 0, -1, 0 }, { 1, 2, 3 }, 0.2f, 0.9f, 0,
+            true },
+        { "sun", RSV_PUNCTUAL_DIRECTIONAL, { 0, 0, 0 }, { 0, -1, 0 }, { 1e5f, 9e4f, 8e4f }, 0, 0, 0,
+            false },
+        { "off", RSV_PUNCTUAL_POINT, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0, 0, false },
     };
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         assert_int_equal(rsv_scene_add_light(scene, &lights[i]), RSV_OK);

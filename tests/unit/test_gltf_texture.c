@@ -210,7 +210,8 @@ static void extensions_set_what_they_name(void **state)
             "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.6,"
             "\"diffuseTransmissionColorFactor\":[0.7,0.8,0.9]},"
             "\"KHR_materials_iridescence\":{}},"
-            "\"extras\":{\"resolvent\":{\"scatter_distance\":[0.001,0.002,0.003]}}",
+            "\"extras\":{\"resolvent\":{\"scatter_distance\":[0.001,0.002,0.003],"
+            "\"camera_emission\":0.25}}",
             "\"textures\":[]"));
     const rsv_material *m = &rsv_scene_get_view(scene)->material[0];
     assert_float_equal(m->opacity, 0.25f, 0);
@@ -221,6 +222,7 @@ static void extensions_set_what_they_name(void **state)
     assert_float_equal(m->diffuse_transmission, 0.6f, 0);
     assert_float_equal(m->diffuse_transmission_color.g, 0.8f, 0);
     assert_float_equal(m->scatter_distance.g, 0.002f, 0);
+    assert_float_equal(m->camera_emission, 0.25f, 0);
     assert_mentions(f->log, "extension 'KHR_materials_iridescence' is ignored: material 'paint'");
 
     // what is written is read back
@@ -232,6 +234,7 @@ static void extensions_set_what_they_name(void **state)
     assert_float_equal(n->sheen_color.b, 0.3f, 0);
     assert_float_equal(n->diffuse_transmission, 0.6f, 0);
     assert_float_equal(n->scatter_distance.g, 0.002f, 0);
+    assert_float_equal(n->camera_emission, 0.25f, 0);
     rsv_scene_destroy(again);
     rsv_scene_destroy(scene);
     remove_folder(at.path);

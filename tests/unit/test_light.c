@@ -606,6 +606,9 @@ static void spots_fall_off_between_their_cones(void **state)
     assert_true(spot_at(&spot, 0.61f) == 0);
     double ramp = (cos(0.5) - cos(0.6)) / (cos(0.3) - cos(0.6));
     assert_float_equal(spot_at(&spot, 0.5f), 7 * ramp * ramp, 1e-4);
+    spot.smooth_cone = true;
+    assert_float_equal(spot_at(&spot, 0.5f), 7 * ramp * ramp * (3 - 2 * ramp), 1e-4);
+    spot.smooth_cone = false;
     spot.inner_cone_angle = spot.outer_cone_angle; // hard edge
     spot.exponent = 3;
     assert_float_equal(spot_at(&spot, 0.59f), 7 * pow(cos(0.59), 3), 1e-4);

@@ -87,6 +87,7 @@ static void add_lights(rsv_scene *scene)
     light.inner_cone_angle = 0.3f;
     light.outer_cone_angle = 0.7f;
     light.exponent = 2;
+    light.smooth_cone = true;
     assert_int_equal(rsv_scene_add_light(scene, &light), RSV_OK);
 }
 

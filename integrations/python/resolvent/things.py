@@ -129,6 +129,7 @@ class Material:
     scatter_distance: Rgb = _plain_rgb("scatter_distance")
     opacity: float = _PLAIN.opacity
     alpha_cutoff: float = _PLAIN.alpha_cutoff
+    camera_emission: float = _PLAIN.camera_emission
     textures: Dict[str, Texture] = dataclasses.field(default_factory=dict)
 
     @classmethod
@@ -232,7 +233,8 @@ class PunctualLight:
 
     `intensity` is in W/sr, of a directional light the irradiance at normal incidence in W/m2; `direction` is the way
     the light travels; cone angles are half angles in radians, and the intensity of a spot is also multiplied by
-    cos^exponent.
+    cos^exponent. Between the cones it falls off by t^2, or with `smooth_cone` by t^2 (3 - 2 t), t being the ramp in the
+    cosine.
     """
 
     kind: str = "point"
@@ -243,13 +245,14 @@ class PunctualLight:
     inner_cone_angle: float = 0.0
     outer_cone_angle: float = np.pi / 4
     exponent: float = 0.0
+    smooth_cone: bool = False
 
     @classmethod
     def _of(cls, struct: Any, origin: np.ndarray) -> PunctualLight:
         at, d, i = struct.position, struct.direction, struct.intensity
         return cls(LIGHT_KINDS[struct.kind], (i.r, i.g, i.b), tuple(np.array([at.x, at.y, at.z]) + origin),
                    (d.x, d.y, d.z), ffi.string(struct.name).decode("utf-8", "replace"), struct.inner_cone_angle,
-                   struct.outer_cone_angle, struct.exponent)
+                   struct.outer_cone_angle, struct.exponent, struct.smooth_cone)
 
     def _described(self, keep: List[Any]) -> Any:
         where = f"light '{self.name}': "
@@ -265,7 +268,7 @@ class PunctualLight:
             "intensity": rgb(where + "intensity", self.intensity),
             "inner_cone_angle": _angle(where + "inner_cone_angle", self.inner_cone_angle, np.pi / 2),
             "outer_cone_angle": _angle(where + "outer_cone_angle", self.outer_cone_angle, np.pi / 2),
-            "exponent": number(where + "exponent", self.exponent)})
+            "exponent": number(where + "exponent", self.exponent), "smooth_cone": bool(self.smooth_cone)})
 
 
 @dataclasses.dataclass
