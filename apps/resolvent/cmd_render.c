@@ -53,6 +53,9 @@ static const char help[] =
     "film\n"
     "                     of 24 mm height (default: all is sharp)\n"
     "  --focus M          metres to what is sharp (default: to what is in the middle)\n"
+    "  --shift-x X, --shift-y Y  shift of the film to the right and upwards, in widths and heights "
+    "of\n"
+    "                     the picture (default 0)\n"
     "  --projection P     perspective (the camera as it is; default); equirectangular: all "
     "around;\n"
     "                     fisheye: the half space ahead in a circle\n"
@@ -108,6 +111,7 @@ typedef struct settings {
     uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
     float fstop, focus; ///< 0 = a pinhole; what is in the middle
+    float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
     bool layers, goal;
@@ -154,6 +158,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .min = 1e-6,
             .max = 1e9,
             .goes_with = "--fstop" },
+        { .name = "--shift-x", .kind = CLI_REAL, .value = &s->shift[0], .min = -100, .max = 100 },
+        { .name = "--shift-y", .kind = CLI_REAL, .value = &s->shift[1], .min = -100, .max = 100 },
         { .name = "--projection",
             .kind = CLI_CHOICE,
             .value = &s->projection,
@@ -223,6 +229,22 @@ static bool check_picture(const settings *s, const char *pattern)
     return false;
 }
 
+static bool takes_the_film(const settings *s)
+{
+    bool shifted = s->shift[0] != 0 || s->shift[1] != 0;
+    bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
+    if (is_occlusion && (s->fstop > 0 || shifted || s->projection != RSV_PROJECTION_CAMERA))
+        cli_error("--mode %s is a pinhole camera's: leave out --fstop, --shift-x, --shift-y and "
+                  "--projection",
+            mode_names[s->mode]);
+    else if (s->fstop > 0 && s->projection != RSV_PROJECTION_CAMERA)
+        cli_error("--fstop does not go with --projection %s, where all is sharp",
+            projection_names[s->projection]);
+    else
+        return true;
+    return false;
+}
+
 /// What this build cannot do, and outputs that cannot be written, are said before the long work.
 static bool check_request(const settings *s)
 {
@@ -239,17 +261,7 @@ static bool check_request(const settings *s)
             100 * (double)s->target.share);
         return false;
     }
-    if (s->fstop > 0 && s->projection != RSV_PROJECTION_CAMERA) {
-        cli_error("--fstop does not go with --projection %s, where all is sharp",
-            projection_names[s->projection]);
-        return false;
-    }
-    bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
-    if (is_occlusion && (s->fstop > 0 || s->projection != RSV_PROJECTION_CAMERA)) {
-        cli_error("--mode %s is a pinhole camera's: leave out --fstop and --projection",
-            mode_names[s->mode]);
-        return false;
-    }
+    if (!takes_the_film(s)) return false;
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
         cli_error("--mode reference is the processor's alone: leave out --device");
         return false;
@@ -307,7 +319,8 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->layers = s->layers;
     desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
         .f_number = s->fstop,
-        .focus_distance = s->focus };
+        .focus_distance = s->focus,
+        .shift = { s->shift[0], s->shift[1] } };
     desc->seed = s->solve.seed;
     return true;
 }
