@@ -69,3 +69,12 @@ if(NOT RSV_SANITIZE)
         ${CMAKE_BINARY_DIR})
     set_tests_properties(python_package PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
 endif()
+
+# the Blender add-on, in the real Blender; its tests lie with it, too
+if(TARGET resolvent_program AND NOT RSV_SANITIZE)
+    foreach(kind quick all window cycles)
+        add_test(NAME blender_${kind} COMMAND bash
+            ${PROJECT_SOURCE_DIR}/integrations/blender/tests/test_blender.sh ${CMAKE_BINARY_DIR} ${kind})
+        set_tests_properties(blender_${kind} PROPERTIES LABELS long SKIP_RETURN_CODE 77)
+    endforeach()
+endif()
