@@ -4,7 +4,7 @@ import { VRButton } from "three/addons/webxr/VRButton.js";
 import { createCamera, fitView } from "./camera.js";
 import { addControls } from "./controls.js";
 import { Reflections } from "./reflections.js";
-import { LightBasis } from "./runtime.js";
+import { LightBasis } from "./rt/runtime.js";
 import { BakedScene } from "./scene.js";
 import { Sky } from "./sky.js";
 

@@ -2,8 +2,8 @@
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { findCamera } from "./camera.js";
-import { MapLight, VertexLight } from "./light.js";
-import { shownMaterial } from "./materials.js";
+import { MapLight, VertexLight } from "./rt/light.js";
+import { shownMaterial } from "./rt/materials.js";
 
 export class BakedScene {
     static async load(bytes) {
