@@ -138,7 +138,6 @@ def write_colours(mesh, found):
 
 def write_uv(mesh, found):
     """Charts of a lightmap may part the triangles of a polygon: the mesh becomes triangles first."""
-    import bmesh
     uv = np.zeros((found[0][0].data.corners.shape[0], 3, 2), np.float32)
     for part, light in found:
         uv[part.chosen] = light

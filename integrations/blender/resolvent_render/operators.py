@@ -6,7 +6,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from . import baking, engine, settings
-from .program import Cancelled, Run, Scratch, find_program, thread_options
+from .program import Run, Scratch, find_program, thread_options
 from .report import CannotRender, Report
 from .scene_export import SceneExport
 
@@ -149,8 +149,9 @@ class Job:
 def common_options(context, export, quality):
     scene = context.scene
     quality = scene.resolvent.quality if quality == "scene" else quality
-    return (["--quality", "medium" if quality == "auto" else quality, "--light-units", "watt", "--seed", str(scene.resolvent.seed)] + engine.environment_options(export)
-            + thread_options(scene.render))
+    options = ["--quality", "medium" if quality == "auto" else quality, "--light-units", "watt",
+               "--seed", str(scene.resolvent.seed)]
+    return options + engine.environment_options(export) + thread_options(scene.render)
 
 
 class RESOLVENT_OT_bake(Job, bpy.types.Operator):

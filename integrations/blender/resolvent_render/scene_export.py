@@ -99,8 +99,8 @@ class SceneExport:
     def __init__(self, depsgraph, folder, report, for_baking=False):
         self.depsgraph, self.folder, self.report, self.for_baking = depsgraph, folder, report, for_baking
         self.scene = depsgraph.scene
-        version = ".".join(map(str, bpy.app.version))
-        self.writer = GlbWriter(f"Resolvent add-on, Blender {version}")
+        # without the name of the host: `--light-units auto` takes files of its exporter for photometric ones
+        self.writer = GlbWriter("Resolvent add-on")
         self.makers = MaterialMaker(self.writer, report)
         self.meshes, self.suns, self.parts = {}, [], []
         self.triangles, self.lamps, self.camera, self.glowing = 0, 0, None, False

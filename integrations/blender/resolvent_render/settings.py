@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the user chooses, kept with the scene."""
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 MODES = [("final", "Final", "Direct light per pixel, all further light from the solution"),
          ("operator", "Operator", "All light looked up in the solution: quick"),

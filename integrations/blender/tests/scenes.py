@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes by script: all kinds of lamps, world, area shapes, glass, principled materials, instances, modifiers, mirrors."""
-import math
-
 import bpy
 import numpy as np
 

@@ -142,6 +142,7 @@ def test_export():
     assert bpy.ops.resolvent.export(filepath=out, target="vertex") == {"FINISHED"}
     from resolvent_render.formats import GlbFile
     document = GlbFile(out + ".glb").document
+    assert "Blender" not in document["asset"]["generator"], "its lights would be taken for candela"
     assert {"floor", "disk"} <= {n.get("name") for n in document["nodes"]}
     with open(out + ".light.safetensors", "rb") as file:
         header = file.read(4096)

@@ -72,7 +72,6 @@ def bakes(scene):
 
 def steps():
     """A generator: each yield lets Blender draw."""
-    import resolvent_render  # noqa: F401
     scene = scenes.reset()
     scenes.modifiers()
     scene.render.engine = "RESOLVENT"
