@@ -85,6 +85,7 @@ rsv_add_test(translucent statistical/test_translucent.c)
 rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
 rsv_add_test(brute_force statistical/test_brute_force.c)
+rsv_add_test(properties statistical/test_properties.c)
 rsv_add_test(random_scenes statistical/test_random_scenes.c unit/random_scene.c)
 rsv_add_test(random_certificates statistical/test_random_certificates.c unit/random_scene.c)
 rsv_add_test(solvers unit/test_solvers.c)
@@ -95,7 +96,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
+set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         plan random_scenes shadows update)
@@ -110,4 +111,5 @@ rsv_add_test(sky unit/test_sky.c)
 rsv_add_test(daylight unit/test_daylight.c)
 rsv_add_part(daylight slow)
 rsv_add_part(daylight long)
+rsv_add_part(properties long)
 rsv_add_test(luminaire unit/test_luminaire.c)
