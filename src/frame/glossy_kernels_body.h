@@ -70,34 +70,27 @@ static inline void find_normals(
     }
 }
 
-/// Rows of the materials' tables. @param value [8] as in rsv_glossy_row, out
+/// Rows of the materials' tables: two neighbours lie side by side, so that one line of the cache holds both.
+/// @param value [8] as in rsv_glossy_row, out
 static inline void find_rows(const rsv_glossy_material *materials, const glossy_lanes *restrict g,
     float (*restrict value)[LANES])
 {
-    enum {
-        material_words = sizeof(rsv_glossy_material) / 4,
-        row_words = sizeof(rsv_glossy_row) / 4
-    };
-    _Alignas(64) int index[LANES], at[LANES];
-    _Alignas(64) float weight[LANES], low[LANES], high[LANES];
+    _Alignas(64) float weight[LANES], between[LANES][8];
+    _Alignas(64) int first[LANES];
     for (int k = 0; k < LANES; k++) {
         float x = sqrtf(f_min(f_max(g->cos[k], 0), 1)) * (RSV_TABLE_COS - 1);
         int i = (int)x;
-        i = i < RSV_TABLE_COS - 2 ? i : RSV_TABLE_COS - 2;
-        weight[k] = x - (float)i;
-        index[k] = g->material[k] * material_words + i * row_words;
+        first[k] = i < RSV_TABLE_COS - 2 ? i : RSV_TABLE_COS - 2;
+        weight[k] = x - (float)first[k];
     }
-    for (int c = 0; c < 7; c++) {
-        if (c == 3) continue;
-        for (int k = 0; k < LANES; k++)
-            at[k] = index[k] + c;
-        gather(materials, at, low);
-        for (int k = 0; k < LANES; k++)
-            at[k] = index[k] + c + row_words;
-        gather(materials, at, high);
-        for (int k = 0; k < LANES; k++)
-            value[c][k] = low[k] + weight[k] * (high[k] - low[k]);
+    for (int k = 0; k < LANES; k++) {
+        const rsv_glossy_row *row = &materials[g->material[k]].row[first[k]];
+        for (int c = 0; c < 8; c++)
+            between[k][c] = row[0][c] + weight[k] * (row[1][c] - row[0][c]);
     }
+    for (int c = 0; c < 8; c++)
+        for (int k = 0; k < LANES; k++)
+            value[c][k] = between[k][c];
 }
 
 /// Constants of the materials of a packet.

@@ -12,6 +12,8 @@
 #define GIVEN_FREEDOM 4.0f
 /// Standard errors by which what squares say must exceed what noise would.
 #define CERTAINTY 2.0f
+/// Samples of a square that count as few: its correction comes bit by bit, so that pictures do not flicker.
+#define FEW_SAMPLES 12.0f
 /// What is shown counts as at least this share of what larger squares show.
 #define LEAST_SHOWN 0.1f
 
@@ -206,7 +208,8 @@ static void correct(const node *n, float signal, float variance, rsv_resting_giv
     float count = samples_of(n);
     g->variance = variance;
     if (count == 0 || !(signal > 0)) return;
-    float share = signal / (signal + variance / count) * f_max(count - 1, 0) / (count + 1);
+    float few = f_max(count - 1, 0) / (count + FEW_SAMPLES);
+    float share = few * signal / (signal + variance / count);
     for (int c = 0; c < 3; c++)
         g->correction[c] += share * (mean_difference(n, c) - g->correction[c]);
 }
