@@ -84,6 +84,30 @@ static void uncommitted_scenes_are_not_checked_or_written(void **state)
     rsv_scene_destroy(scene);
 }
 
+// ---- objects ------------------------------------------------------------------------------------------
+
+static void objects_have_their_triangles(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene;
+    size_t all = 0;
+    assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &scene), RSV_OK);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    for (uint32_t object = 0; object < view->object_count; object++) {
+        uint32_t first;
+        size_t count = rsv_scene_object_triangles(scene, object, &first);
+        for (size_t k = 0; k < count; k++)
+            assert_int_equal(view->triangle_object[first + k], object);
+        assert_true(rsv_scene_find_object(scene, view->object_name[object]) <= object);
+        all += count;
+    }
+    uint32_t first;
+    assert_int_equal(all, view->triangle_count);
+    assert_int_equal(rsv_scene_find_object(scene, "nothing of that name"), RSV_NONE);
+    assert_int_equal(rsv_scene_object_triangles(scene, RSV_NONE, &first), 0);
+    rsv_scene_destroy(scene);
+}
+
 // ---- many points at once ----------------------------------------------------------------------------
 
 static rsv_light *solve_spheres(fixture *f, rsv_scene **scene)
@@ -159,6 +183,8 @@ int main(void)
             uncommitted_scenes_are_not_shown, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             uncommitted_scenes_are_not_checked_or_written, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            objects_have_their_triangles, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             many_points_read_as_one_by_one, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
