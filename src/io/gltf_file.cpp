@@ -298,15 +298,15 @@ void check_version(const json &root)
 void check_required_extensions(const json &root)
 {
     static const char *const known[] = { "EXT_lights_ies", "EXT_mesh_gpu_instancing",
-        "EXT_meshopt_compression",
-        "EXT_texture_webp", "KHR_draco_mesh_compression", "KHR_lights_punctual",
-        "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
-        "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
-        "KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter",
-        "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
-        "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
-        "KHR_materials_volume_scatter", "KHR_mesh_quantization", "KHR_node_visibility",
-        "KHR_texture_transform", "KHR_xmp_json_ld" };
+        "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
+        "KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
+        "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
+        "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+        "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter", "KHR_materials_sheen",
+        "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
+        "KHR_materials_variants", "KHR_materials_volume", "KHR_materials_volume_scatter",
+        "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
+        "KHR_xmp_json_ld" };
     for (const json &entry : list(root, "extensionsRequired")) {
         if (!entry.is_string()) continue; // find_unread() tells
         const std::string name = entry.get<std::string>();
@@ -412,8 +412,8 @@ void read_parts(owned_document &document, source &from, const chunk &text)
     check_required_extensions(document.tree);
     read_buffers(document, from);
     read_files(list(document.tree, "images"), from, document.image_bytes);
-    read_files(list(extension(document.tree, "EXT_lights_ies"), "lights"), from,
-        document.luminaire_bytes);
+    read_files(
+        list(extension(document.tree, "EXT_lights_ies"), "lights"), from, document.luminaire_bytes);
 }
 
 bool is_binary(const bytes &file)
