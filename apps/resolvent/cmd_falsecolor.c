@@ -243,7 +243,8 @@ static bool read_picture(cli_session *session, const settings *s, field *f)
 }
 
 /// Illuminance on what a camera sees.
-static void read_surfaces(const settings *s, const rsv_light *light, const rsv_camera *camera, field *f)
+static void read_surfaces(
+    const settings *s, const rsv_light *light, const rsv_camera *camera, field *f)
 {
     double scale = (double)s->efficacy / CLI_LUMINOUS_EFFICACY;
     for (uint32_t y = 0; y < f->height; y++)

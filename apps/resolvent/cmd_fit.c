@@ -17,7 +17,8 @@
 static const char help[] =
     "usage: resolvent fit SCENE --wanted IN.csv -o OUT.csv [options]\n"
     "\n"
-    "Finds how far to dim each light so that points read what is wanted, at least power, and says by "
+    "Finds how far to dim each light so that points read what is wanted, at least power, and says "
+    "by "
     "how\n"
     "much that cannot be met. IN.csv has a header with x,y,z,nx,ny,nz,lux and, if points count\n"
     "differently, weight. With r,g,b (W/m2, as `probe` writes them) in place of lux, lights get "
@@ -35,8 +36,7 @@ static const char help[] =
     "  --keep NAME        a light that stays as it is; repeat it; * stands for any text\n"
     "  --samples N        rays per point (default 512)\n"
     "  --threads N        default: one per processor; the result does not depend on it\n"
-    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-    "\n"
+    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
     "  resolvent fit office.safetensors --wanted desks.csv --at-least -o dimming.csv\n"
     "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv "
@@ -80,8 +80,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status =
             cli_usage_error("fit", "%s is missing", s->wanted ? "-o OUT.csv" : "--wanted IN.csv");
     else if (s->least > s->most)
-        *exit_status = cli_usage_error("fit", "--least %g is above --most %g", (double)s->least,
-            (double)s->most);
+        *exit_status = cli_usage_error(
+            "fit", "--least %g is above --most %g", (double)s->least, (double)s->most);
     else
         return true;
     return false;
@@ -139,8 +139,8 @@ static void print_factors(FILE *to, const rsv_fit *fit)
     fputs("name,r,g,b,lumens\n", to);
     for (size_t k = 0; k < rsv_fit_light_count(fit); k++) {
         rsv_fit_light l = rsv_fit_get_light(fit, k);
-        double share = 0.2126 * (double)l.factor.r + 0.7152 * (double)l.factor.g +
-                       0.0722 * (double)l.factor.b;
+        double share =
+            0.2126 * (double)l.factor.r + 0.7152 * (double)l.factor.g + 0.0722 * (double)l.factor.b;
         print_cell(to, l.name);
         fprintf(to, ",%.7g,%.7g,%.7g,%.6g\n", (double)l.factor.r, (double)l.factor.g,
             (double)l.factor.b, l.lumens * share);
@@ -150,8 +150,7 @@ static void print_factors(FILE *to, const rsv_fit *fit)
 static void print_readings(FILE *to, const rsv_fit *fit, const cli_points *p)
 {
     bool lux = p->has[CLI_WANTED_LUX];
-    fputs(lux ? "x,y,z,nx,ny,nz,wanted,lux\n"
-              : "x,y,z,nx,ny,nz,wanted_r,wanted_g,wanted_b,r,g,b\n",
+    fputs(lux ? "x,y,z,nx,ny,nz,wanted,lux\n" : "x,y,z,nx,ny,nz,wanted_r,wanted_g,wanted_b,r,g,b\n",
         to);
     for (size_t k = 0; k < p->count; k++) {
         const double *g = p->given[k], *v = p->wanted[k];
@@ -219,8 +218,8 @@ static rsv_status relight(
     return rsv_light_save(subject->solution, *name ? name : s->scene, s->relit);
 }
 
-static rsv_status find_fit(const settings *s, const cli_points *points,
-    const cli_subject *subject, rsv_fit **fit)
+static rsv_status find_fit(
+    const settings *s, const cli_points *points, const cli_subject *subject, rsv_fit **fit)
 {
     rsv_fit_desc desc = rsv_default_fit_desc();
     desc.colors = !points->has[CLI_WANTED_LUX];

@@ -37,8 +37,7 @@ static const char help[] =
     "  --threshold CD     luminance above which a pixel glares (default: five times the mean)\n"
     "  --efficacy LM/W    other than 683, such as 179 for pictures made with that\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
-    CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-    "\n"
+        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
     "  resolvent render office.glb --camera desk --projection fisheye --size 1000x1000 -o "
     "view.exr\n"
@@ -123,8 +122,7 @@ static bool judge(const settings *s, const rsv_image *image)
         double value = cli_luminous(pixel[k]) * (double)s->efficacy / CLI_LUMINOUS_EFFICACY;
         luminance[k] = isfinite(value) && value > 0 ? (float)fmin(value, 1e12) : 0;
     }
-    bool good = luminance &&
-                cli_find_glare(luminance, width, height, (double)s->threshold, &glare);
+    bool good = luminance && cli_find_glare(luminance, width, height, (double)s->threshold, &glare);
     if (!good) cli_error("out of memory for %zu pixels", count);
     if (good && s->json) good = print_json(&glare);
     if (good && !s->json) print_text(&glare);

@@ -225,8 +225,7 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
         if (facts.has_place)
             cJSON_AddNumberToObject(item, "lumens", rsv_punctual_lumens(view, light));
         if (light->kind == RSV_PUNCTUAL_LUMINAIRE)
-            cJSON_AddStringToObject(
-                item, "luminaire", view->luminaire[light->luminaire].name);
+            cJSON_AddStringToObject(item, "luminaire", view->luminaire[light->luminaire].name);
     }
 }
 

@@ -125,8 +125,7 @@ static bool find_sources(const picture *p, cli_glare *glare, uint8_t *glares, ui
         }
         glare->source[glare->count++] = collect(p, at, glares, stack);
     }
-    if (glare->count)
-        qsort(glare->source, glare->count, sizeof *glare->source, compare_sources);
+    if (glare->count) qsort(glare->source, glare->count, sizeof *glare->source, compare_sources);
     return true;
 }
 
@@ -158,8 +157,8 @@ static double find_ugr(const cli_glare *glare)
     return 8 * log10(0.25 / fmax(glare->background, 1e-6) * sum);
 }
 
-bool cli_find_glare(const float *luminance, uint32_t width, uint32_t height, double threshold,
-    cli_glare *glare)
+bool cli_find_glare(
+    const float *luminance, uint32_t width, uint32_t height, double threshold, cli_glare *glare)
 {
     const picture p = { luminance, width, height, 0.5 * (width < height ? width : height) };
     sums all = { 0 };

@@ -8,11 +8,11 @@
 
 /// Neighbouring pixels above the threshold.
 typedef struct cli_glare_source {
-    double luminance;   ///< mean over its solid angle, cd/m2
-    double solid_angle; ///< sr
-    double illuminance; ///< at the eye, lux
+    double luminance;    ///< mean over its solid angle, cd/m2
+    double solid_angle;  ///< sr
+    double illuminance;  ///< at the eye, lux
     double direction[3]; ///< unit: right, up, ahead; its centre by luminance
-    double position;    ///< Guth's position index there; below the line of sight Iwata's
+    double position;     ///< Guth's position index there; below the line of sight Iwata's
 } cli_glare_source;
 
 typedef struct cli_glare {
@@ -31,8 +31,8 @@ double cli_position_index(const double direction[3]);
 /// @param luminance [height * width] cd/m2 of an equidistant picture of the half space ahead, row 0 on top
 /// @param threshold cd/m2; 0 = five times the mean @param glare to be freed by cli_glare_free
 /// @return false where memory runs out
-bool cli_find_glare(const float *luminance, uint32_t width, uint32_t height, double threshold,
-    cli_glare *glare);
+bool cli_find_glare(
+    const float *luminance, uint32_t width, uint32_t height, double threshold, cli_glare *glare);
 void cli_glare_free(cli_glare *glare);
 
 #endif

@@ -70,8 +70,8 @@ static size_t identify(const char *target, cli_track_kind *kind, const char **na
         size_t values;
     } known[] = { { "light.", CLI_TRACK_LIGHT, 4 }, { "albedo.", CLI_TRACK_ALBEDO, 3 },
         { "move.", CLI_TRACK_MOVE, 3 }, { "aim.", CLI_TRACK_AIM, 3 },
-        { "place.", CLI_TRACK_PLACE, 3 },
-        { "env-intensity", CLI_TRACK_INTENSITY, 1 }, { "env-rotate", CLI_TRACK_ROTATION, 1 } };
+        { "place.", CLI_TRACK_PLACE, 3 }, { "env-intensity", CLI_TRACK_INTENSITY, 1 },
+        { "env-rotate", CLI_TRACK_ROTATION, 1 } };
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
         size_t length = strlen(known[k].prefix);
         bool named = known[k].values > 1;
@@ -118,7 +118,8 @@ static bool read_change(
     size_t count = cli_cut_change(word, number), wanted = identify(word, &kind, &name);
     if (wanted == 0)
         return complain(line,
-            "expected light.NAME=, move.NAME=, aim.NAME=, albedo.MATERIAL=, place.object=, env-rotate= or "
+            "expected light.NAME=, move.NAME=, aim.NAME=, albedo.MATERIAL=, place.object=, "
+            "env-rotate= or "
             "env-intensity= instead of ",
             word);
     cli_key key = { frame, { number[0], number[1], number[2] } };

@@ -124,8 +124,8 @@ static void add_luminaire(eye *e, const rsv_punctual_light *l)
     double area = projected_area(l, back);
     if (!(intensity > 0) || !(area > 0) || !(square > 0) || !(dot(towards, e->ahead) > 0)) return;
     double share = seen_share(e, l);
-    add_source(e, towards, share * intensity * intensity / (area * square),
-        share * intensity / square);
+    add_source(
+        e, towards, share * intensity * intensity / (area * square), share * intensity / square);
 }
 
 // ---- lamps ------------------------------------------------------------------------------------------

@@ -91,8 +91,8 @@ static bool read_header(const csv_line *line, char *const cells[], size_t count,
     return true;
 }
 
-static bool append_point(cli_points *points, const double given[value_count],
-    const double wanted[CLI_WANTED_COLUMNS])
+static bool append_point(
+    cli_points *points, const double given[value_count], const double wanted[CLI_WANTED_COLUMNS])
 {
     if (points->count == points->capacity) {
         size_t capacity = points->capacity ? 2 * points->capacity : 1024;

@@ -157,10 +157,10 @@ const char *const cli_emit_names[] = { "file", "both", NULL };
 
 const char *cli_reading_given(const cli_reading *reading)
 {
-    return reading->light_units ? "--light-units"
-           : reading->two_sided ? "--two-sided"
-           : reading->emit      ? "--emit"
-           : reading->variant   ? "--variant"
+    return reading->light_units        ? "--light-units"
+           : reading->two_sided        ? "--two-sided"
+           : reading->emit             ? "--emit"
+           : reading->variant          ? "--variant"
            : reading->luminaires.count ? "--luminaire"
                                        : NULL;
 }
@@ -318,8 +318,8 @@ static bool read_scene(cli_session *session, const char *name, bool is_file, rsv
         warn_of_reading(session);
         status = cli_build_scene(session, name, scene);
         if (status == RSV_OK)
-            status = rsv_scene_load_luminaires(
-                *scene, session->luminaire, session->luminaire_count);
+            status =
+                rsv_scene_load_luminaires(*scene, session->luminaire, session->luminaire_count);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());
         cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,

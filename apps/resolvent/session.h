@@ -91,8 +91,9 @@ typedef struct cli_session {
     "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
     "it\n"                                                                                         \
     "                     says; or both\n"                                                         \
-    "  --variant NAME     the materials of a variant that a glTF file offers\n"                       \
-    "  --luminaire NAME=FILE  a measured luminaire (.ies, .ldt) in place of the light NAME, or at "  \
+    "  --variant NAME     the materials of a variant that a glTF file offers\n"                    \
+    "  --luminaire NAME=FILE  a measured luminaire (.ies, .ldt) in place of the light NAME, or "   \
+    "at "                                                                                          \
     "the\n"                                                                                        \
     "                     node or object NAME; * stands for any text\n"
 

@@ -21,12 +21,14 @@ typedef struct rsv_fit_wanted {
 
 /// Start from rsv_default_fit_desc().
 typedef struct rsv_fit_desc {
-    bool colors;   ///< wanted are W/m2 of each channel, and each light gets a factor per channel; default lux, one factor
-    bool at_least; ///< readings may be above what is wanted
+    bool
+        colors; ///< wanted are W/m2 of each channel, and each light gets a factor per channel; default lux, one factor
+    bool at_least;          ///< readings may be above what is wanted
     double lowest, highest; ///< bounds of factors, 0 <= lowest <= highest <= 1e6; default 0 and 1
     /// What power counts beside errors: of factors that meet readings alike, those of least power are found. Default 1e-6.
     double saving;
-    const char *const *keep; ///< [keep_count] lights that stay as they are, by name or node; `*` stands for any text
+    const char *const *
+        keep; ///< [keep_count] lights that stay as they are, by name or node; `*` stands for any text
     size_t keep_count;
     uint32_t samples; ///< gather rays of a reading; default 512
     uint32_t seed;
@@ -43,9 +45,10 @@ typedef struct rsv_fit_light {
 } rsv_fit_light;
 
 typedef struct rsv_fit_report {
-    double error_rms;     ///< of readings against what is wanted (below it, if at_least), relative to the mean wanted
-    double error_largest; ///< lux or W/m2
-    size_t worst;         ///< the point where that is
+    double
+        error_rms; ///< of readings against what is wanted (below it, if at_least), relative to the mean wanted
+    double error_largest;         ///< lux or W/m2
+    size_t worst;                 ///< the point where that is
     double lumens, lumens_before; ///< of all lights
     /// Largest step that projected gradients, scaled by the diagonal of the Hessian, would still take, over the highest factor
     double kkt_residual;
@@ -57,8 +60,8 @@ typedef struct rsv_fit rsv_fit;
 
 /// RSV_ERROR_ARGUMENT where nothing is wanted, bounds are no bounds, names are unknown or nothing is left to change.
 /// The solution must outlive the fit, and is not changed: rsv_light_relight takes the factors.
-RSV_API rsv_status rsv_fit_create(const rsv_light *light, const rsv_fit_wanted *wanted, size_t count,
-    const rsv_fit_desc *desc, rsv_fit **fit);
+RSV_API rsv_status rsv_fit_create(const rsv_light *light, const rsv_fit_wanted *wanted,
+    size_t count, const rsv_fit_desc *desc, rsv_fit **fit);
 RSV_API void rsv_fit_destroy(rsv_fit *fit);
 
 RSV_API size_t rsv_fit_light_count(const rsv_fit *fit);

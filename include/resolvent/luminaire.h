@@ -9,7 +9,8 @@
 extern "C" {
 #endif
 
-#define RSV_LUMEN_PER_WATT 683 ///< luminous efficacy that turns lm, cd and lux into W, W/sr and W/m2
+#define RSV_LUMEN_PER_WATT                                                                         \
+    683 ///< luminous efficacy that turns lm, cd and lux into W, W/sr and W/m2
 
 /// How angles of a file are meant.
 typedef enum rsv_photometry_type {
@@ -26,8 +27,9 @@ typedef struct rsv_luminaire {
     float *horizontal; ///< [horizontal_count] degrees, ascending; symmetric parts are left out
     float *
         intensity; ///< [horizontal_count][vertical_count] cd; ballast, lamps and multipliers are in it
-    double width, length, height; ///< of the opening, m, as in LM-63: length along C = 0; negative = round
-    double lamp_lumens;           ///< of all lamps together; 0 = absolute photometry
+    double width, length,
+        height;         ///< of the opening, m, as in LM-63: length along C = 0; negative = round
+    double lamp_lumens; ///< of all lamps together; 0 = absolute photometry
     double watts;
 } rsv_luminaire;
 

@@ -114,8 +114,8 @@ RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_
 /// Irradiance on the first surface that a camera sees at a place of its picture, on the side that it sees, W/m2.
 /// @param width, height of the picture, pixels @param place x to the right and y down, each from 0 to 1
 /// @return false where it sees no surface that stores light: nothing, or mirrors and clear glass
-RSV_API bool rsv_read_picture_point(const rsv_light *light, const rsv_camera *camera, uint32_t width,
-    uint32_t height, const float place[2], rsv_rgb *irradiance);
+RSV_API bool rsv_read_picture_point(const rsv_light *light, const rsv_camera *camera,
+    uint32_t width, uint32_t height, const float place[2], rsv_rgb *irradiance);
 
 /// Path-traced readings; needs no solution. @param samples, seed as in rsv_probe_desc
 RSV_API rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes,

@@ -153,7 +153,7 @@ typedef enum rsv_punctual_light_kind {
     RSV_PUNCTUAL_SPOT,
     RSV_PUNCTUAL_DIRECTIONAL,
     RSV_PUNCTUAL_LUMINAIRE, ///< measured intensities (luminaire.h); its cone is all that it lights
-    RSV_PUNCTUAL_KINDS ///< how many there are
+    RSV_PUNCTUAL_KINDS      ///< how many there are
 } rsv_punctual_light_kind;
 
 /// What distinguishes a kind of punctual lights.
@@ -172,11 +172,14 @@ typedef struct rsv_punctual_light {
     const char *name; ///< copied
     rsv_punctual_light_kind kind;
     rsv_vec3 position;
-    rsv_vec3 direction;     ///< unit, the way the light travels (spot axis, directional, -z of a luminaire)
-    rsv_rgb intensity;      ///< W/sr, of a luminaire at its peak; directional: irradiance at normal incidence, W/m2
+    rsv_vec3
+        direction; ///< unit, the way the light travels (spot axis, directional, -z of a luminaire)
+    rsv_rgb
+        intensity; ///< W/sr, of a luminaire at its peak; directional: irradiance at normal incidence, W/m2
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
-    float outer_cone_angle; ///< radians, half angle; none outside (spot: up to pi/2, luminaire: up to pi)
-    float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
+    float
+        outer_cone_angle; ///< radians, half angle; none outside (spot: up to pi/2, luminaire: up to pi)
+    float exponent;       ///< spot intensity is also multiplied by cos^exponent; default 0
     /// Between the cones, with t the ramp in the cosine: false = t^2 (KHR_lights_punctual), true = t^2 (3 - 2 t) (Blender).
     bool smooth_cone;
     // of luminaires alone; start from rsv_luminaire_light()

@@ -135,8 +135,7 @@ static int profile_of(follower *f, uint32_t luminaire)
     char *text = NULL;
     if (rsv_luminaire_print(f->d->context, is, &text) != RSV_OK) f->d->exhausted = true;
     if (text)
-        rsv_bake_number(
-            f->d, light, "bufferView", rsv_bake_add_view(f->d, text, strlen(text), 0));
+        rsv_bake_number(f->d, light, "bufferView", rsv_bake_add_view(f->d, text, strlen(text), 0));
     rsv_bake_string(f->d, light, "mimeType", "application/x-ies-lm-63");
     rsv_bake_string(f->d, light, "name", is->name);
     rsv_free(f->d->context, text);
@@ -155,8 +154,7 @@ static void add_luminaire(follower *f, const rsv_punctual_light *is)
     cJSON *json = rsv_bake_extension(f->d, add_node(f, is->name, world), measured);
     rsv_bake_number(f->d, json, "light", profile_of(f, is->luminaire));
     rsv_bake_number(f->d, json, "multiplier", RSV_LUMEN_PER_WATT * (double)strength);
-    put_rgb(f, json, "color",
-        strength > 0 ? rgb_scale(is->intensity, 1 / strength) : rgb_gray(1));
+    put_rgb(f, json, "color", strength > 0 ? rgb_scale(is->intensity, 1 / strength) : rgb_gray(1));
     if (!rsv_punctual_is_extended(is)) return;
     put_rgb(f, rsv_bake_object(f->d, json, "extras"), "opening",
         rgb(is->opening.x, is->opening.y, is->opening.z));
@@ -189,9 +187,9 @@ static bool has_luminaire(const follower *f, uint32_t index)
     rsv_rgb scale = node->luminaire_scale;
     if (node->luminaire == -1 || f->parts->shown.hidden[index]) return false;
     if (f_min(scale.r, f_min(scale.g, scale.b)) < 0) return false;
-    bool has = rsv_gltf_read_luminaire(
-                   f->d->context, f->d->gltf, node->luminaire, &luminaire) == RSV_OK &&
-               rsv_gltf_luminaire_light(node, f->parts->shown.world[index], &luminaire, &was);
+    bool has =
+        rsv_gltf_read_luminaire(f->d->context, f->d->gltf, node->luminaire, &luminaire) == RSV_OK &&
+        rsv_gltf_luminaire_light(node, f->parts->shown.world[index], &luminaire, &was);
     rsv_luminaire_free(f->d->context, &luminaire);
     return has;
 }

@@ -5,7 +5,8 @@
 
 #define MOST_STEPS 500
 #define WANTED_RESIDUAL 1e-9
-#define RIDGE 1e-12 ///< of the largest diagonal: columns that depend on each other have a minimum, too
+#define RIDGE                                                                                      \
+    1e-12 ///< of the largest diagonal: columns that depend on each other have a minimum, too
 #define MOST_DAMPING 1e3 ///< likewise, where steps lead too far
 #define MORE_DAMPING 100
 #define SUFFICIENT 1e-4
@@ -109,8 +110,7 @@ static void find_step(const newton *n, double damping)
             for (size_t k = 0; k < j; k++)
                 sum -= l[i * columns + k] * l[j * columns + k];
             // rounding may take what is left below 0
-            l[i * columns + j] =
-                i == j ? sqrt(fmax(sum, 1e-300)) : sum / l[j * columns + j];
+            l[i * columns + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / l[j * columns + j];
         }
         double sum = -n->gradient[n->free[i]];
         for (size_t k = 0; k < i; k++)

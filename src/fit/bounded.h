@@ -8,11 +8,11 @@
 typedef struct rsv_bounded {
     rsv_context *context;
     size_t rows, columns;
-    const double *a;           ///< [rows][columns]
-    const double *b, *weight;  ///< [rows]
-    const double *cost;        ///< [columns]
-    const double *low, *high;  ///< [columns]
-    bool one_sided;            ///< only what is below b is wrong
+    const double *a;          ///< [rows][columns]
+    const double *b, *weight; ///< [rows]
+    const double *cost;       ///< [columns]
+    const double *low, *high; ///< [columns]
+    bool one_sided;           ///< only what is below b is wrong
 } rsv_bounded;
 
 typedef struct rsv_bounded_report {

@@ -15,14 +15,14 @@ struct rsv_fit {
     rsv_context *context;
     rsv_fit_desc desc;
     rsv_light_responses *responses;
-    size_t count;      ///< points
-    rsv_rgb *reading;  ///< [count][responses->count] W/m2
-    rsv_rgb *wanted;   ///< [count]
-    double *weight;    ///< [count]
-    double *lumens;    ///< [responses->count]
-    bool *kept;        ///< likewise
-    rsv_rgb *factor;   ///< likewise
-    double mean;       ///< of what is wanted
+    size_t count;     ///< points
+    rsv_rgb *reading; ///< [count][responses->count] W/m2
+    rsv_rgb *wanted;  ///< [count]
+    double *weight;   ///< [count]
+    double *lumens;   ///< [responses->count]
+    bool *kept;       ///< likewise
+    rsv_rgb *factor;  ///< likewise
+    double mean;      ///< of what is wanted
     rsv_fit_report report;
 };
 
@@ -182,8 +182,8 @@ static void report_errors(rsv_fit *f)
         }
     f->report.error_rms = sqrt(squares / ((double)f->count * channels)) / f->mean;
     for (size_t k = 0; k < f->responses->count; k++)
-        f->report.lumens += f->lumens[k] * (double)(f->desc.colors ? rgb_luminance(f->factor[k])
-                                                                   : f->factor[k].r);
+        f->report.lumens +=
+            f->lumens[k] * (double)(f->desc.colors ? rgb_luminance(f->factor[k]) : f->factor[k].r);
 }
 
 static rsv_status fit_all(rsv_fit *f)
@@ -202,8 +202,9 @@ static rsv_status fit_all(rsv_fit *f)
 static rsv_status check_desc(const rsv_fit_desc *d)
 {
     if (!(d->lowest >= 0) || !(d->highest >= d->lowest) || !(d->highest <= HIGHEST))
-        return rsv_fail(RSV_ERROR_ARGUMENT, "fit: factors from %g to %g are no range within 0 to %g",
-            d->lowest, d->highest, HIGHEST);
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "fit: factors from %g to %g are no range within 0 to %g", d->lowest, d->highest,
+            HIGHEST);
     if (!(d->saving >= 0) || !isfinite(d->saving))
         return rsv_fail(RSV_ERROR_ARGUMENT, "fit: a saving of %g is not possible", d->saving);
     return RSV_OK;

@@ -27,9 +27,9 @@ static void read_ends(
         rsv_probe_job job = job_of(r, view);
         rsv_rgb sum = rsv_probe_direct(&job, probe, (uint32_t)point);
         for (size_t k = 0; k < ends; k++)
-            sum = rgb_add(sum, rgb_mul(end[k].weight, rsv_light_view_irradiance(view,
-                                                          end[k].triangle, end[k].u, end[k].v,
-                                                          end[k].back, RSV_NONE)));
+            sum = rgb_add(
+                sum, rgb_mul(end[k].weight, rsv_light_view_irradiance(view, end[k].triangle,
+                                                end[k].u, end[k].v, end[k].back, RSV_NONE)));
         reading[l] = sum;
     }
 }

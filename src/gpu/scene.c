@@ -124,8 +124,8 @@ static void place_luminaires(rsv_gpu_scene *s, rsv_gpu_block *b)
         *l = host->luminaire[k];
         l->vertical = rsv_gpu_place(b, l->vertical_count, sizeof *l->vertical);
         l->horizontal = rsv_gpu_place(b, l->horizontal_count, sizeof *l->horizontal);
-        l->intensity = rsv_gpu_place(
-            b, (size_t)l->vertical_count * l->horizontal_count, sizeof *l->intensity);
+        l->intensity =
+            rsv_gpu_place(b, (size_t)l->vertical_count * l->horizontal_count, sizeof *l->intensity);
     }
 }
 
@@ -141,8 +141,8 @@ static void upload_luminaires(const rsv_gpu_scene *s, rsv_gpu *gpu)
                 sizeof *from->intensity } };
         rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
     }
-    rsv_gpu_upload(gpu, (void *)s->view.luminaire, s->luminaire,
-        host->luminaire_count * sizeof *s->luminaire);
+    rsv_gpu_upload(
+        gpu, (void *)s->view.luminaire, s->luminaire, host->luminaire_count * sizeof *s->luminaire);
 }
 
 // ---- all ----------------------------------------------------------------------------------------

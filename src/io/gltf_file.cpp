@@ -412,8 +412,8 @@ void read_parts(owned_document &document, source &from, const chunk &text)
     check_required_extensions(document.tree);
     read_buffers(document, from);
     read_files(list(document.tree, "images"), from, document.image_bytes);
-    read_files(list(extension(document.tree, "EXT_lights_ies"), "lights"), from,
-        document.luminaire_bytes);
+    read_files(
+        list(extension(document.tree, "EXT_lights_ies"), "lights"), from, document.luminaire_bytes);
 }
 
 bool is_binary(const bytes &file)

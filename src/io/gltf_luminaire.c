@@ -3,8 +3,8 @@
 
 #include "../core/vec.h"
 
-rsv_status rsv_gltf_read_luminaire(rsv_context *context, const rsv_gltf_document *document,
-    int index, rsv_luminaire *luminaire)
+rsv_status rsv_gltf_read_luminaire(
+    rsv_context *context, const rsv_gltf_document *document, int index, rsv_luminaire *luminaire)
 {
     *luminaire = (rsv_luminaire){ 0 };
     if (index < 0 || (size_t)index >= document->luminaire_count)

@@ -6,8 +6,8 @@
 
 /// A luminaire of a document. RSV_ERROR_FORMAT where there is none, or it cannot be read.
 /// @param luminaire to be freed by rsv_luminaire_free, even after a failure
-rsv_status rsv_gltf_read_luminaire(rsv_context *context, const rsv_gltf_document *document,
-    int index, rsv_luminaire *luminaire);
+rsv_status rsv_gltf_read_luminaire(
+    rsv_context *context, const rsv_gltf_document *document, int index, rsv_luminaire *luminaire);
 
 /// The light that a node has, without its place. False where its transform leaves it no direction.
 /// @param world of the node

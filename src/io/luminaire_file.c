@@ -10,8 +10,7 @@ rsv_status rsv_scene_load_luminaires(
     for (size_t k = 0; k < count && status == RSV_OK; k++) {
         rsv_luminaire luminaire;
         status = rsv_luminaire_read(scene->context, wanted[k].path, &luminaire);
-        if (status == RSV_OK)
-            status = rsv_scene_place_luminaire(scene, wanted[k].name, &luminaire);
+        if (status == RSV_OK) status = rsv_scene_place_luminaire(scene, wanted[k].name, &luminaire);
         rsv_luminaire_free(scene->context, &luminaire);
     }
     return status;

@@ -35,9 +35,9 @@ RSV_INLINE double rsv_luminaire_fold_c(const rsv_luminaire *l, double c)
     double first = (double)l->horizontal[0], last = (double)l->horizontal[l->horizontal_count - 1];
     double span = last - first;
     if (l->horizontal_count == 1) return first;
-    c = fmod(fmod(c - first, 360.0) + 360, 360.0);           // from the first plane on
+    c = fmod(fmod(c - first, 360.0) + 360, 360.0);          // from the first plane on
     if (span > 180 + RSV_LUMINAIRE_SLACK) return first + c; // planes all around
-    if (c > 180) c = 360 - c;                                // mirrored at the first plane
+    if (c > 180) c = 360 - c;                               // mirrored at the first plane
     if (span > 90 + RSV_LUMINAIRE_SLACK) return first + c;
     return first + (c > 90 ? 180 - c : c); // at the second one as well
 }

@@ -1,6 +1,6 @@
 /// Intensities between the angles of a file, by its symmetry, and their integral.
-#include "intensity.h"
 #include "../core/core.h"
+#include "intensity.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -154,7 +154,8 @@ rsv_status rsv_luminaire_print(rsv_context *context, const rsv_luminaire *l, cha
     *text = NULL;
     if (!to) return RSV_ERROR_MEMORY;
     int type = l->type == RSV_PHOTOMETRY_C ? 1 : l->type == RSV_PHOTOMETRY_B ? 2 : 3;
-    fprintf(to, "IESNA:LM-63-2002\n[LUMINAIRE] %s\nTILT=NONE\n1 -1 1 %u %u %d 2 %.9g %.9g %.9g\n1 1 %.9g\n",
+    fprintf(to,
+        "IESNA:LM-63-2002\n[LUMINAIRE] %s\nTILT=NONE\n1 -1 1 %u %u %d 2 %.9g %.9g %.9g\n1 1 %.9g\n",
         l->name, l->vertical_count, l->horizontal_count, type, l->width, l->length, l->height,
         l->watts);
     for (uint32_t k = 0; k < l->vertical_count; k++)

@@ -40,10 +40,10 @@ static rsv_status exchange_angles(rsv_tensor_file *file, size_t index, rsv_lumin
     rsv_status status;
     size_t vertical = l->vertical ? l->vertical_count : RSV_ANY_COUNT,
            horizontal = l->horizontal ? l->horizontal_count : RSV_ANY_COUNT;
-    RSV_TRY(rsv_tensor_exchange(file, name_of(name, index, "vertical"), RSV_TENSOR_F32, 1,
-        &l->vertical, &vertical));
-    RSV_TRY(rsv_tensor_exchange(file, name_of(name, index, "horizontal"), RSV_TENSOR_F32, 1,
-        &l->horizontal, &horizontal));
+    RSV_TRY(rsv_tensor_exchange(
+        file, name_of(name, index, "vertical"), RSV_TENSOR_F32, 1, &l->vertical, &vertical));
+    RSV_TRY(rsv_tensor_exchange(
+        file, name_of(name, index, "horizontal"), RSV_TENSOR_F32, 1, &l->horizontal, &horizontal));
     if (vertical > UINT32_MAX || horizontal > UINT32_MAX)
         return rsv_tensor_fail(file, name, "has too many angles");
     l->vertical_count = (uint32_t)vertical, l->horizontal_count = (uint32_t)horizontal;

@@ -2,8 +2,8 @@
 #ifndef RSV_LUMINAIRE_TENSORS_H
 #define RSV_LUMINAIRE_TENSORS_H
 
-#include "tensor_file.h"
 #include "resolvent/scene.h"
+#include "tensor_file.h"
 
 rsv_status rsv_write_luminaires(rsv_tensor_file *file, const rsv_scene_view *view);
 

@@ -291,9 +291,9 @@ typedef struct scene_reader {
     rsv_camera *camera;
     const char **object_name, **light_node, **camera_node;
     rsv_texture_parts *texture;
-    rsv_texture_desc *desc; ///< [texture_count]
-    texture_use *use;       ///< by material
-    rsv_texture_ref *ref;   ///< [use_count] of those
+    rsv_texture_desc *desc;   ///< [texture_count]
+    texture_use *use;         ///< by material
+    rsv_texture_ref *ref;     ///< [use_count] of those
     rsv_luminaire *luminaire; ///< [luminaire_count]
     size_t luminaire_count;
     rsv_environment *environment;

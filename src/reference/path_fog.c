@@ -74,8 +74,7 @@ static bool set_punctual(
     const rsv_path_tracer *tracer, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
 {
     rsv_punctual_sample found;
-    if (!rsv_punctual_arriving(
-            tracer->lights->scene, from->punctual, place, v->point, &found))
+    if (!rsv_punctual_arriving(tracer->lights->scene, from->punctual, place, v->point, &found))
         return false;
     from->sample = (rsv_light_sample){ .direction = found.direction,
         .distance = found.distance,

@@ -164,7 +164,8 @@ static void add_punctual_lights(rsv_light_path *path, const rsv_path_surface *s,
 {
     const rsv_lights *lights = path->tracer->lights;
     rsv_vec3 normal = both_sides || rsv_path_surface_turned(s) ? v3(0, 0, 0) : s->normal;
-    float u = lights->punctual_tree || lights->extended ? rsv_random_float(&path->numbers.random) : 0;
+    float u =
+        lights->punctual_tree || lights->extended ? rsv_random_float(&path->numbers.random) : 0;
     for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
         if (rsv_punctual_at(lights, s->point, normal, k, u, &light))

@@ -6,10 +6,10 @@
 
 /// Where one source began.
 typedef struct rsv_light_place {
-    rsv_vec3 centre;  ///< of a lamp, the mean of its vertices
+    rsv_vec3 centre;          ///< of a lamp, the mean of its vertices
     rsv_vec3 direction, side; ///< of a punctual light
-    uint32_t *vertex; ///< [vertex_count] of a lamp
-    rsv_vec3 *home;   ///< [vertex_count] their positions
+    uint32_t *vertex;         ///< [vertex_count] of a lamp
+    rsv_vec3 *home;           ///< [vertex_count] their positions
     size_t vertex_count;
 } rsv_light_place;
 

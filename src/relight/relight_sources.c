@@ -115,7 +115,8 @@ static bool move_sources(rsv_relighter *r, bool *returned)
         bool turned =
             source->kind == RSV_SOURCE_SURROUNDINGS && r->wanted.rotation != r->now.rotation;
         bool moved = is_moved(r, k), known = leave_or_return(r, k);
-        if (moved) rsv_light_place_move(
+        if (moved)
+            rsv_light_place_move(
                 r->scene, source, &r->place[k], r->wanted.offset[k], r->wanted.aim[k]);
         r->moved[k] = (moved || turned) && !known;
         r->stale[k] = !known && (r->stale[k] || r->moved[k]);

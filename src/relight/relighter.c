@@ -42,12 +42,11 @@ rsv_status rsv_relighter_make_room(rsv_relighter *r, size_t sources)
     struct {
         void *array;
         size_t size;
-    } list[] = { { &r->strength, sizeof *r->strength },
-        { &r->place, sizeof *r->place }, { &r->stale, sizeof *r->stale },
-        { &r->moved, sizeof *r->moved }, { &r->away, sizeof *r->away },
-        { &r->home_part, sizeof *r->home_part }, { &r->began_part, sizeof *r->began_part },
-        { &r->summed, sizeof *r->summed }, { &r->factor, sizeof *r->factor },
-        { &r->listed, 2 * sizeof *r->listed } };
+    } list[] = { { &r->strength, sizeof *r->strength }, { &r->place, sizeof *r->place },
+        { &r->stale, sizeof *r->stale }, { &r->moved, sizeof *r->moved },
+        { &r->away, sizeof *r->away }, { &r->home_part, sizeof *r->home_part },
+        { &r->began_part, sizeof *r->began_part }, { &r->summed, sizeof *r->summed },
+        { &r->factor, sizeof *r->factor }, { &r->listed, 2 * sizeof *r->listed } };
     for (size_t k = 0; k < sizeof list / sizeof *list; k++)
         RSV_TRY(widen(r->context, list[k].array, from, to, list[k].size));
     for (int k = 0; k < 3; k++) {
@@ -114,9 +113,8 @@ static rsv_status allocate(rsv_relighter *r)
     if (surrounded)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->moves && r->next && r->scratch && (r->environment || !surrounded)
-               ? RSV_OK
-               : RSV_ERROR_MEMORY;
+    return r->moves && r->next && r->scratch && (r->environment || !surrounded) ? RSV_OK
+                                                                                : RSV_ERROR_MEMORY;
 }
 
 rsv_status rsv_relighter_map(rsv_relighter *r)

@@ -18,11 +18,9 @@ struct rsv_relighter {
     rsv_light *began;        ///< a copy of the light as it was; NULL once a source was added
     rsv_light_basis
         *basis; ///< the light's parts of E0, at the strengths that the sources began with
-    rsv_light_part
-        *home_part; ///< [capacity] of sources that are away from where they began
-    bool *away;     ///< [capacity] those sources
-    rsv_light_part
-        *began_part; ///< [capacity] levels of parts at home before a refinement
+    rsv_light_part *home_part;  ///< [capacity] of sources that are away from where they began
+    bool *away;                 ///< [capacity] those sources
+    rsv_light_part *began_part; ///< [capacity] levels of parts at home before a refinement
     rsv_light_sources *sources; ///< at those strengths, where they stand now
     uint16_t *valid;            ///< receiver points of the direct level
     rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths

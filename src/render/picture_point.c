@@ -14,7 +14,6 @@ bool rsv_read_picture_point(const rsv_light *light, const rsv_camera *camera, ui
     if (!rsv_tracer_closest(view->tracer, &ray, &hit)) return false;
     rsv_specular_path path = rsv_specular_begin(&view->scene, NULL, ray.direction, hit);
     if (view->elements->face_of[path.back][hit.triangle] == RSV_NONE) return false;
-    *irradiance =
-        rsv_light_view_irradiance(view, hit.triangle, hit.u, hit.v, path.back, RSV_NONE);
+    *irradiance = rsv_light_view_irradiance(view, hit.triangle, hit.u, hit.v, path.back, RSV_NONE);
     return true;
 }

@@ -61,13 +61,13 @@ rsv_status rsv_check_placed_luminaire(
 {
     float opening = v3_length(light->opening), side = v3_length(light->side);
     if (light->luminaire >= scene->luminaire_count)
-        return rsv_fail(RSV_ERROR_FORMAT, "light '%s': luminaire %u does not exist", name,
-            light->luminaire);
+        return rsv_fail(
+            RSV_ERROR_FORMAT, "light '%s': luminaire %u does not exist", name, light->luminaire);
     bool upright = side > 0 && fabsf(v3_dot(light->side, light->direction)) <=
                                    1e-3f * side * v3_length(light->direction);
     if (!isfinite(side) || !upright)
-        return rsv_fail(RSV_ERROR_FORMAT,
-            "light '%s': its side is not at right angles to its direction", name);
+        return rsv_fail(
+            RSV_ERROR_FORMAT, "light '%s': its side is not at right angles to its direction", name);
     if (!isfinite(opening) || opening > RSV_FARTHEST)
         return rsv_fail(RSV_ERROR_FORMAT, "light '%s': its opening is not usable", name);
     return RSV_OK;
@@ -92,8 +92,7 @@ static void replace_light(rsv_punctual_light *light, const rsv_punctual_light *s
     placed.name = light->name;
     placed.position = light->position;
     if (aimed) placed.direction = v3_normalize(light->direction);
-    placed.side =
-        side_of(placed.direction, v3_length(light->side) > 0 ? light->side : shape->side);
+    placed.side = side_of(placed.direction, v3_length(light->side) > 0 ? light->side : shape->side);
     *light = placed;
 }
 

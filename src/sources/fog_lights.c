@@ -82,8 +82,7 @@ static float guess_punctual(
     rsv_vec3 towards = v3_sub(light->position, point);
     // all of a light that has a size may shine here, though its middle does not
     if (rsv_punctual_is_extended(light))
-        return rgb_luminance(light->intensity) /
-               f_max(v3_dot(towards, towards), 1e-4f);
+        return rgb_luminance(light->intensity) / f_max(v3_dot(towards, towards), 1e-4f);
     if (!rsv_punctual_arriving(scene, light, rsv_punctual_place_by(light, 0, 0), point, &sample))
         return 0;
     return f_min(rgb_luminance(sample.irradiance), 1e30f);
@@ -135,7 +134,8 @@ void rsv_fog_lights_at(const rsv_fog_lights *l, rsv_vec3 point, rsv_fog_choice *
     if (lights->punctual_tree)
         choice->probability[choice->count++] = guess_tree(lights->punctual_tree, point);
     for (uint32_t k = l->emitters; !lights->punctual_tree && k < l->count; k++)
-        choice->probability[choice->count++] = guess_punctual(lights->scene, rsv_fog_light_punctual(l, k), point);
+        choice->probability[choice->count++] =
+            guess_punctual(lights->scene, rsv_fog_light_punctual(l, k), point);
     normalize(choice);
 }
 

@@ -77,8 +77,7 @@ RSV_INLINE float rsv_luminaire_turned(uint32_t bits, uint32_t random)
 }
 
 /// The same by one number, evenly for evenly spread ones. @param stream differs from light to light
-RSV_INLINE rsv_vec3 rsv_punctual_place_by(
-    const rsv_punctual_light *light, float u, uint32_t stream)
+RSV_INLINE rsv_vec3 rsv_punctual_place_by(const rsv_punctual_light *light, float u, uint32_t stream)
 {
     float numbers[3];
     if (!rsv_punctual_is_extended(light)) {

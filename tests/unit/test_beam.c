@@ -31,7 +31,7 @@ static picture picture_of(
     const rsv_tracer *tracer, const rsv_camera *camera, rsv_instructions instructions)
 {
     picture p = { .kernels = rsv_packet_kernels_for(&instructions), .tracer = tracer };
-    p.aim = (rsv_frame_aim){ rsv_lens_of(camera, columns, rows), columns, rows, 0.3f, 0.6f };
+    p.aim = (rsv_frame_aim){ rsv_lens_of(camera, columns, rows), columns, rows, 0.3f, 0.6f, 0, { 0, 0 } };
     p.lens = rsv_beam_lens_of(&p.aim.lens);
     assert_int_equal(rsv_beams_create(tracer, &p.beams), RSV_OK);
     assert_true(p.beams.hold);

@@ -71,7 +71,8 @@ static void minima_meet_their_conditions(void **state)
             p.high, one_sided };
         ok(rsv_bounded_solve(&bounded, x, &report));
         if (!(report.kkt_residual < 1e-7))
-            fail_msg("problem %u: residual %g after %u steps", seed, report.kkt_residual, report.iterations);
+            fail_msg("problem %u: residual %g after %u steps", seed, report.kkt_residual,
+                report.iterations);
         check_minimum(&p, one_sided, x);
     }
 }
@@ -118,11 +119,10 @@ static rsv_light *room(rsv_context *context, rsv_scene **scene)
     ok(rsv_scene_add_instance(*scene, mesh, identity, NULL));
     static const char *const name[3] = { "left", "middle", "right" };
     for (int k = 0; k < 3; k++)
-        ok(rsv_scene_add_light(*scene,
-            &(rsv_punctual_light){ .name = name[k],
-                .kind = RSV_PUNCTUAL_POINT,
-                .position = { 1.3f * (float)(k - 1), 2, 0.3f },
-                .intensity = { 1, 1.5f, 2 } }));
+        ok(rsv_scene_add_light(*scene, &(rsv_punctual_light){ .name = name[k],
+                                           .kind = RSV_PUNCTUAL_POINT,
+                                           .position = { 1.3f * (float)(k - 1), 2, 0.3f },
+                                           .intensity = { 1, 1.5f, 2 } }));
     ok(rsv_scene_commit(*scene));
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     ok(rsv_light_create(*scene, &desc, &light));
@@ -132,10 +132,11 @@ static rsv_light *room(rsv_context *context, rsv_scene **scene)
 static void place_points(rsv_fit_wanted wanted[POINTS])
 {
     for (int k = 0; k < POINTS; k++)
-        wanted[k] = (rsv_fit_wanted){ .probe = { v3(-1.6f + 0.3f * (float)k, 0.8f,
-                                                    0.25f * (float)(k % 5) - 0.5f),
-                                          v3(0, 1, 0) },
-            .weight = 1 };
+        wanted[k] = (rsv_fit_wanted){
+            .probe = { v3(-1.6f + 0.3f * (float)k, 0.8f, 0.25f * (float)(k % 5) - 0.5f),
+                v3(0, 1, 0) },
+            .weight = 1
+        };
 }
 
 static float lux_of(rsv_rgb e) { return 683 * rgb_luminance(e); }
@@ -177,7 +178,8 @@ static void factors_that_made_readings_are_found_again(void **state)
     for (size_t k = 0; k < 3; k++)
         assert_float_equal(rsv_fit_get_light(fit, k).factor.r, truth[k].r, 0.01);
     for (size_t k = 0; k < POINTS; k++)
-        assert_float_equal(rsv_fit_reading(fit, k).r, wanted[k].reading.r, 0.005 * wanted[k].reading.r);
+        assert_float_equal(
+            rsv_fit_reading(fit, k).r, wanted[k].reading.r, 0.005 * wanted[k].reading.r);
     assert_true(report.kkt_residual < 1e-4 && report.error_rms < 0.005);
     assert_float_equal(report.lumens / report.lumens_before, 1.25 / 3, 0.01);
     rsv_fit_destroy(fit);
@@ -280,8 +282,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             minima_meet_their_conditions, fixture_setup, fixture_teardown),
-        cmocka_unit_test_setup_teardown(columns_that_change_nothing_go_where_they_cost_least,
-            fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            columns_that_change_nothing_go_where_they_cost_least, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             factors_that_made_readings_are_found_again, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(

@@ -203,6 +203,35 @@ static void skies_and_suns_light_as_on_the_processor(void **state)
     rsv_device_close(device);
 }
 
+/// One from a point and one from an opening, with all planes around and of type B.
+static void add_luminaires(world *w)
+{
+    float c_planes[5] = { 0, 90, 180, 270, 360 }, gamma[3] = { 0, 45, 90 };
+    float round[15] = { 9000, 5000, 0, 9000, 3000, 0, 9000, 6000, 0, 9000, 2000, 0, 9000, 5000, 0 };
+    float b_angles[3] = { -90, 0, 90 }, b[9] = { 0, 0, 0, 100, 8000, 3000, 0, 0, 0 };
+    const rsv_luminaire luminaire[2] = { { .type = RSV_PHOTOMETRY_C,
+                                             .vertical_count = 3,
+                                             .horizontal_count = 5,
+                                             .vertical = gamma,
+                                             .horizontal = c_planes,
+                                             .intensity = round,
+                                             .width = 0.5,
+                                             .length = 1 },
+        { .type = RSV_PHOTOMETRY_B,
+            .vertical_count = 3,
+            .horizontal_count = 3,
+            .vertical = b_angles,
+            .horizontal = b_angles,
+            .intensity = b } };
+    for (int k = 0; k < 2; k++) {
+        uint32_t id;
+        assert_int_equal(rsv_scene_add_luminaire(w->scene, &luminaire[k], &id), RSV_OK);
+        rsv_punctual_light light = rsv_luminaire_light(&luminaire[k], id);
+        light.position = v3(-1.5f + (float)k, 3.5f, 1.2f);
+        assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
+    }
+}
+
 /// @param count of point lights
 static void add_lights(world *w, int count)
 {
@@ -232,6 +261,7 @@ static void points_and_spots_light_as_on_the_processor(void **state)
         world *w = world_begin_on(2, device);
         build_yard(w);
         add_lights(w, count);
+        add_luminaires(w);
         assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
         compare(w);
     }

@@ -81,8 +81,8 @@ static void ies_files_of_all_versions_and_symmetries_are_read(void **state)
 {
     for (int version = 0; version < 4; version++)
         for (int symmetry = 0; symmetry < 4; symmetry++)
-            check_luminaire(*state, write_ies(version, symmetry, 3), symmetry,
-                (rsv_vec3){ 0.6f, 0.3f, 0 });
+            check_luminaire(
+                *state, write_ies(version, symmetry, 3), symmetry, (rsv_vec3){ 0.6f, 0.3f, 0 });
 }
 
 static void eulumdat_files_of_all_symmetries_are_read(void **state)

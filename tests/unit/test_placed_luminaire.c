@@ -181,16 +181,16 @@ static double lux_of_panel(const rsv_probe *probe)
     const rsv_vec3 corner[4] = { { -.6f, 3, -.3f }, { .6f, 3, -.3f }, { .6f, 3, .3f },
         { -.6f, 3, .3f } };
     double radiance = PEAK / (1.2 * 0.6);
-    return radiance * fabs((double)rsv_polygon_irradiance(
-                          corner, 4, probe->position, probe->normal));
+    return radiance *
+           fabs((double)rsv_polygon_irradiance(corner, 4, probe->position, probe->normal));
 }
 
 static double lux_of_point(const rsv_probe *probe)
 {
     double x = 0 - (double)probe->position.x, y = 3 - (double)probe->position.y,
            z = 0 - (double)probe->position.z, square = x * x + y * y + z * z;
-    double cosine = x * (double)probe->normal.x + y * (double)probe->normal.y +
-                    z * (double)probe->normal.z;
+    double cosine =
+        x * (double)probe->normal.x + y * (double)probe->normal.y + z * (double)probe->normal.z;
     return PEAK * y * fmax(cosine, 0) / (square * square);
 }
 
@@ -199,8 +199,8 @@ static void check_readings(const rsv_probe_reading *reading, bool panel, const c
     for (size_t k = 0; k < NEAR_PROBES; k++) {
         double expected = (panel ? lux_of_panel : lux_of_point)(&near_probes[k]);
         double error = lux_of(reading[k].standard_error);
-        assert_close(lux_of(reading[k].irradiance), expected, fmax(0.005 * expected, 4 * error),
-            what);
+        assert_close(
+            lux_of(reading[k].irradiance), expected, fmax(0.005 * expected, 4 * error), what);
         assert_close(error, 0, 0.02 * expected, what);
     }
 }
@@ -273,8 +273,8 @@ static double lux_on_floor(rsv_vec3 lamp, rsv_vec3 direction, const rsv_probe *p
     return PEAK * fmax((double)v3_dot(way, direction), 0) * (double)lamp.y / (square * square);
 }
 
-static void check_floor(const rsv_light *solved, rsv_vec3 lamp, rsv_vec3 direction, double scale,
-    double tolerance)
+static void check_floor(
+    const rsv_light *solved, rsv_vec3 lamp, rsv_vec3 direction, double scale, double tolerance)
 {
     const rsv_probe probes[3] = { { { 0.3f, 0, 0.2f }, { 0, 1, 0 } },
         { { -1, 0, -0.5f }, { 0, 1, 0 } }, { { 1.6f, 0, 1.2f }, { 0, 1, 0 } } };
@@ -303,9 +303,8 @@ static void relighting_dims_and_aims(void **state)
     ok(rsv_relighter_create(solved, &relighter));
     const rsv_light_scale half = { "lamp", { 0.5f, 0.5f, 0.5f } };
     const rsv_light_aim aim = { "lamp", { 1, -2, 0.5f } }, none = { "lamp", { 0, 0, 0 } };
-    ok(rsv_relighter_change(
-        relighter, &(rsv_relight_desc){ .light = &half, .light_count = 1, .aim = &aim,
-                       .aim_count = 1 }));
+    ok(rsv_relighter_change(relighter,
+        &(rsv_relight_desc){ .light = &half, .light_count = 1, .aim = &aim, .aim_count = 1 }));
     ok(rsv_relighter_refine(relighter));
     check_floor(solved, light.position, v3_normalize(aim.direction), 0.5, 0.01);
     const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(solved));
@@ -348,7 +347,8 @@ static void any_number_of_lights_is_relit(void **state)
             relighter, &(rsv_relight_desc){ .light = scale, .light_count = lamps }));
         ok(rsv_relighter_settle(relighter));
         rsv_vec3 lamp = v3(-1.9f + 0.025f * (float)alone, 2, 0.3f * (float)(alone % 7) - 1);
-        check_floor(solved, lamp, v3(0, -1, 0), 1, 0.04); // noise of the whole, whose lights are drawn
+        check_floor(
+            solved, lamp, v3(0, -1, 0), 1, 0.04); // noise of the whole, whose lights are drawn
         ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ 0 }));
         ok(rsv_relighter_settle(relighter));
         rsv_relighter_destroy(relighter);
@@ -476,8 +476,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             flux_on_a_sphere_is_that_of_the_file, file_set_up, file_tear_down),
-        cmocka_unit_test_setup_teardown(openings_light_like_surfaces_and_points_by_the_law,
-            fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            openings_light_like_surfaces_and_points_by_the_law, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             light_is_reflected_by_mirrors, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(relighting_dims_and_aims, fixture_setup, fixture_teardown),
