@@ -113,8 +113,6 @@ typedef struct rsv_material {
     float opacity; ///< coverage: light passes unchanged through the rest
     /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
     float alpha_cutoff;
-    /// Share of the emission that cameras see on straight lines, 0..1; default 1. Light and reflections have all of it.
-    float camera_emission;
 
     /// [texture_count] what varies over the surface: a texture multiplies the value above. Copied.
     const rsv_texture_ref *textures;
