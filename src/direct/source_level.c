@@ -371,10 +371,11 @@ static rsv_status begin(level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
     const rsv_history *history = rsv_history_of(b->scene);
+    const rsv_level_before *before = rsv_level_before_of(b->scene);
     bool looks_first = b->desc->direct && b->desc->hidden;
     rsv_status status;
-    if (history && b->desc->direct && !b->desc->hidden)
-        RSV_TRY(rsv_kept_light_create(history, coarse, &b->kept));
+    if ((history || before) && b->desc->direct && !b->desc->hidden)
+        RSV_TRY(rsv_kept_light_create(history, before, coarse, &b->kept));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
     for (size_t c = 0; b->desc->direct && !looks_first && c < coarse->cell_count; c++)

@@ -1,5 +1,6 @@
 #include "../sources/partition.h"
 #include "../trace/packet.h"
+#include "row_track.h"
 #include "row_tracer_internal.h"
 
 #include <string.h>
@@ -55,8 +56,9 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t tu
 
 static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
 
-static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
+static void add_tinted(rsv_row_scratch *s, uint32_t ray, uint32_t node, rsv_rgb weight)
 {
+    if (s->track) s->track->tinted_ray[s->tinted_count] = (uint16_t)ray;
     s->tinted_column[s->tinted_count] = node;
     s->tinted_weight[s->tinted_count++] = weight;
 }
@@ -75,12 +77,12 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
     if (!s->whole) w = rgb_mul(w, entered);
     if (copies == 0) return;
     if (!is_one(w)) {
-        add_tinted(s, node, rgb_scale(w, (float)copies));
+        add_tinted(s, ray, node, rgb_scale(w, (float)copies));
         return;
     }
     s->column[ray] = node;
     for (uint32_t k = 1; k < copies; k++)
-        add_tinted(s, node, rgb_gray(1));
+        add_tinted(s, ray, node, rgb_gray(1));
 }
 
 void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t seen)
@@ -90,7 +92,7 @@ void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t s
     if (copies == 0) return;
     s->column[ray] = node;
     for (uint32_t k = 1; k < copies; k++)
-        add_tinted(s, node, rgb_gray(1));
+        add_tinted(s, ray, node, rgb_gray(1));
 }
 
 /// What light that a receiver gathers at that cosine counts for.
@@ -114,23 +116,65 @@ static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
     return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
 }
 
+/// Notes which ray an escape is of, that was added last.
+static void track_escape(rsv_row_scratch *s, uint32_t ray, uint32_t plain_before)
+{
+    if (!s->track) return;
+    if (s->escapes.count > plain_before)
+        s->track->bin_ray[plain_before] = (uint16_t)ray;
+    else
+        s->track->tinted_bin_ray[s->escapes.tinted_count - 1] = (uint16_t)ray;
+}
+
+static void add_escape(
+    rsv_row_scratch *s, uint32_t ray, rsv_vec3 direction, rsv_rgb weight, uint32_t turns)
+{
+    uint32_t before = s->escapes.count;
+    rsv_escape_row_add(&s->escapes, direction, weight, turns);
+    track_escape(s, ray, before);
+}
+
+static void add_emission(rsv_row_scratch *s, uint32_t ray, rsv_rgb light)
+{
+    s->emission = rgb_add(s->emission, light);
+    if (!s->track || rgb_is_black(light)) return;
+    s->track->light_ray[s->track->light_count] = (uint16_t)ray;
+    s->track->light[s->track->light_count++] = light;
+}
+
+/// A ray whose specular path is followed.
+typedef struct tracked_ray {
+    rsv_row_track *track;
+    uint32_t ray;
+    const rsv_scene_view *scene;
+} tracked_ray;
+
+static void track_path(
+    void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from)
+{
+    const tracked_ray *t = user;
+    rsv_row_track_visit(t->track, t->ray, t->scene, path, left_scene, from);
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
-    rsv_gather gather =
-        rsv_specular_gather(tracer->scene, path, &random, counts_by_gathering, tracer->lights);
+    tracked_ray tracked = { s->track, ray, tracer->scene->view };
+    const rsv_specular_witness witness = { s->track ? track_path : NULL, &tracked };
+    rsv_gather gather = rsv_specular_gather_seen(
+        tracer->scene, path, &random, counts_by_gathering, tracer->lights, witness);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = entering(tracer, r, cos_receiver);
-    s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
+    add_emission(s, ray, rgb_mul(gather.emission, entered));
     s->rays += gather.path.rays;
     if (gather.end == RSV_SPECULAR_DIFFUSE) {
         record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
         if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
             s->kind[ray] = RSV_TARGET_ENTERED;
     } else if (gather.end == RSV_SPECULAR_ESCAPED) {
-        rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
+        add_escape(s, ray, gather.path.direction, rgb_mul(gather.path.weight, entered),
             gather.path.turns);
     }
 }
@@ -170,10 +214,11 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
 }
 
 static void record_sky(const rsv_row_tracer *tracer, rsv_row_scratch *s, const rsv_row_receiver *r,
-    float cos_receiver, const rsv_ray_packet *packet, int k)
+    float cos_receiver, const rsv_ray_packet *packet, uint32_t ray)
 {
+    uint32_t k = ray % LANES;
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, entering(tracer, r, cos_receiver), 0);
+    add_escape(s, ray, direction, entering(tracer, r, cos_receiver), 0);
 }
 
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
@@ -196,7 +241,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         s->kind[ray] = target[k].kind;
         if (target[k].kind == RSV_TARGET_BLACK) continue;
         if (target[k].kind == RSV_TARGET_SKY) {
-            record_sky(tracer, s, r, cos_receiver[k], packet, k);
+            record_sky(tracer, s, r, cos_receiver[k], packet, ray);
             continue;
         }
         if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
@@ -243,6 +288,7 @@ static void clear_scratch(rsv_row_scratch *s)
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = rgb_gray(0);
+    if (s->track) rsv_row_track_clear(s->track);
 }
 
 rsv_ray_packet rsv_row_begin(
@@ -267,18 +313,26 @@ const float *rsv_row_aim(
     return d->z + at;
 }
 
+void rsv_row_trace_from(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
+{
+    uint32_t rays = tracer->directions.count;
+    rsv_ray_packet packet = rsv_row_begin(tracer, r, s);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        const float *z = rsv_row_aim(tracer, r, first, &packet);
+        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
+        for (uint32_t k = 0; k < LANES && s->track; k++)
+            s->track->reach[first + k] = rsv_reach_of(packet.t_max[k]);
+        rsv_row_process_hits(tracer, s, first, r, z, &packet);
+    }
+    s->rays += rays;
+}
+
 void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
 {
     rsv_row_receiver r;
     rsv_row_receive(tracer, node, &r);
-    uint32_t rays = tracer->directions.count;
-    rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
-    for (uint32_t first = 0; first < rays; first += LANES) {
-        const float *z = rsv_row_aim(tracer, &r, first, &packet);
-        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
-        rsv_row_process_hits(tracer, s, first, &r, z, &packet);
-    }
-    s->rays += rays;
+    rsv_row_trace_from(tracer, &r, s);
 }
 
 void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
@@ -297,7 +351,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         packet.v[k] = ends->hit[n].v;
         packet.t_max[k] = ends->hit[n].t;
         if (packet.triangle[k] == RSV_NONE)
-            record_sky(tracer, s, r, z[k], &packet, (int)k);
+            record_sky(tracer, s, r, z[k], &packet, ray);
         else
             follow_path(tracer, s, ray, r, z[k], begin_path(tracer, r, &packet, k));
     }

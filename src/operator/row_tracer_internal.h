@@ -18,6 +18,10 @@ rsv_ray_packet rsv_row_begin(
 const float *rsv_row_aim(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver,
     uint32_t first, rsv_ray_packet *packet);
 
+/// Traces all rays of a receiver that is set up.
+void rsv_row_trace_from(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, rsv_row_scratch *scratch);
+
 /// Notes where the rays of a traced packet end. @param cos_receiver [RSV_SUPPORT_POINTS] from rsv_row_aim
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,
     uint32_t first_ray, const rsv_row_receiver *receiver, const float *cos_receiver,

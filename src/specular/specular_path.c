@@ -21,6 +21,20 @@ bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random)
 rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, rsv_emission_filter filter, const void *user)
 {
+    const rsv_specular_witness nobody = { NULL, NULL };
+    return rsv_specular_gather_seen(scene, path, random, filter, user, nobody);
+}
+
+static rsv_vec3 place_of(const rsv_transport_scene *scene, const rsv_specular_path *path)
+{
+    const uint32_t *corner = scene->view->triangle[path->triangle];
+    const rsv_vec3 *p = scene->view->position;
+    return v3_barycentric(p[corner[0]], p[corner[1]], p[corner[2]], path->u, path->v);
+}
+
+rsv_gather rsv_specular_gather_seen(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, rsv_emission_filter filter, const void *user, rsv_specular_witness witness)
+{
     rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
     for (;;) {
         if (filter(user, path.triangle, path.turns))
@@ -39,6 +53,9 @@ rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_pa
         }
         rsv_specular_move move = rsv_specular_follow(scene, &path, &event, event.weight);
         if (move == RSV_SPECULAR_LOST) return gather;
+        if (witness.visit)
+            witness.visit(witness.user, &path, move == RSV_SPECULAR_LEFT_SCENE,
+                place_of(scene, &gather.path));
         gather.path = path;
         if (move == RSV_SPECULAR_LEFT_SCENE) {
             gather.path.weight = rsv_specular_throughput(scene, &path, &path.medium);

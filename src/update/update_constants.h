@@ -10,7 +10,7 @@
 /// Boxes of what has changed grow by this part of their coordinates, against rounding.
 #define MARGIN 1e-5f
 
-// ---- How far an edit reaches (history_light.c) -------------------------------------------------------
+// ---- How far an edit reaches (light_shafts.c) -------------------------------------------------------
 
 /// What cells ask their surroundings (elements_constants.h) reaches no farther than this part of their size ...
 #define REACH_OF_SIZE 0.6f
