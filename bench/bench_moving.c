@@ -115,8 +115,8 @@ typedef struct frame_lights {
 } frame_lights;
 
 /// The first frame's light is a whole one, which follows from then on.
-static rsv_status follow(const stage *s, const rsv_scene *scene, frame_lights *l,
-    rsv_update_report *kept)
+static rsv_status follow(
+    const stage *s, const rsv_scene *scene, frame_lights *l, rsv_update_report *kept)
 {
     const rsv_solve_desc desc = describe(s);
     rsv_status status = RSV_OK;
@@ -267,8 +267,7 @@ bool cli_bench_moving(const cli_bench_task *bench, cJSON *result)
     }
     rsv_scene_destroy(s.scene);
     if (status == RSV_ERROR_SCENE || status == RSV_ERROR_UNSUPPORTED)
-        cli_error(
-            "bench moving: '%s' has no object small enough to be moved", bench->scene);
+        cli_error("bench moving: '%s' has no object small enough to be moved", bench->scene);
     else if (status != RSV_OK)
         cli_report_failure(bench->session, status);
     return status == RSV_OK;
@@ -299,7 +298,7 @@ void cli_print_moving(const cJSON *result)
 bool cli_write_moving_csv(const char *path, const cJSON *scenes)
 {
     static const char *const columns[] = { "frames", "follow_ms", "update_ms", "anew_ms",
-        "times_cheaper", "update_times_cheaper", "kept_rays", "kept_lights", "difference", "worst_mean_difference", "lag_1", "lag_2",
-        "lag_4" };
+        "times_cheaper", "update_times_cheaper", "kept_rays", "kept_lights", "difference",
+        "worst_mean_difference", "lag_1", "lag_2", "lag_4" };
     return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
 }

@@ -30,7 +30,6 @@ rsv_row_place rsv_row_place_of(const rsv_receiver_points *p)
     return (rsv_row_place){ .centre = v3_scale(v3_add(low, high), 0.5f),
         .radius = 0.5f * v3_length(v3_sub(high, low)),
         .tangent = v3(p->tangent_x[0], p->tangent_y[0], p->tangent_z[0]),
-        .bitangent = v3(p->bitangent_x[0], p->bitangent_y[0], p->bitangent_z[0]),
         .normal = v3(p->normal_x[0], p->normal_y[0], p->normal_z[0]),
         .spread = p->lifted || chord > 1 ? ANYTHING : 2 * asinf(0.5f * chord) + 1e-3f };
 }
@@ -79,12 +78,13 @@ void rsv_row_cones_destroy(rsv_row_cones *c)
 }
 
 /// Marks the packets whose cones come within an angle of a direction. @param towards unit, in the frame of the row
-static bool mark_around(const rsv_row_cones *c, size_t set, rsv_vec3 towards, float angle,
-    uint64_t *packet)
+static bool mark_around(
+    const rsv_row_cones *c, size_t set, rsv_vec3 towards, float angle, uint64_t *packet)
 {
     bool any = false;
     for (uint32_t k = 0; k < c->packets; k++) {
-        float cos = c->x[set + k] * towards.x + c->y[set + k] * towards.y + c->z[set + k] * towards.z;
+        float cos =
+            c->x[set + k] * towards.x + c->y[set + k] * towards.y + c->z[set + k] * towards.z;
         // cos falls by the angle: cos(x) >= 1 - x^2 / 2
         float wide = angle + c->angle[set + k];
         bool meets = cos >= 1 - 0.5f * wide * wide;
@@ -112,8 +112,8 @@ bool rsv_row_cones_meet(const rsv_row_cones *c, size_t set, const rsv_row_place 
         float radius = 0.5f * v3_length(v3_sub(high, low)) + place->radius;
         float distance = v3_length(to);
         if (distance <= radius * 1.01f || place->spread >= ANYTHING) return mark_all(c, packet);
-        rsv_vec3 local = v3(v3_dot(to, place->tangent), v3_dot(to, place->bitangent),
-            v3_dot(to, place->normal));
+        rsv_vec3 local = v3(v3_dot(to, place->tangent),
+            v3_dot(to, v3_cross(place->normal, place->tangent)), v3_dot(to, place->normal));
         float angle = asinf(radius / distance) + place->spread;
         any |= mark_around(c, set, v3_scale(local, 1 / distance), angle, packet);
     }

@@ -11,8 +11,8 @@
 
 /// Where the rays of a row leave, all lanes together.
 typedef struct rsv_row_place {
-    rsv_vec3 centre, tangent, bitangent, normal; ///< of the first lane's frame
-    float radius;                                ///< metres, of a ball around all origins
+    rsv_vec3 centre, tangent, normal; ///< of the first lane's frame
+    float radius;                     ///< metres, of a ball around all origins
     float spread; ///< radians by which the frames of lanes differ from that; beyond pi: anything
 } rsv_row_place;
 

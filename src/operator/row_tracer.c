@@ -1,7 +1,7 @@
 #include "../sources/partition.h"
 #include "../trace/packet.h"
-#include "row_track.h"
 #include "row_tracer_internal.h"
+#include "row_track.h"
 
 #include <string.h>
 
@@ -149,8 +149,7 @@ typedef struct tracked_ray {
     const rsv_scene_view *scene;
 } tracked_ray;
 
-static void track_path(
-    void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from)
+static void track_path(void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from)
 {
     const tracked_ray *t = user;
     rsv_row_track_visit(t->track, t->ray, t->scene, path, left_scene, from);
@@ -174,8 +173,8 @@ static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32
         if (gather.path.rays == 0 && !emits(tracer, gather.path.triangle))
             s->kind[ray] = RSV_TARGET_ENTERED;
     } else if (gather.end == RSV_SPECULAR_ESCAPED) {
-        add_escape(s, ray, gather.path.direction, rgb_mul(gather.path.weight, entered),
-            gather.path.turns);
+        add_escape(
+            s, ray, gather.path.direction, rgb_mul(gather.path.weight, entered), gather.path.turns);
     }
 }
 
@@ -313,8 +312,7 @@ const float *rsv_row_aim(
     return d->z + at;
 }
 
-void rsv_row_trace_from(
-    const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
+void rsv_row_trace_from(const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
 {
     uint32_t rays = tracer->directions.count;
     rsv_ray_packet packet = rsv_row_begin(tracer, r, s);

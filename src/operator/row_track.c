@@ -11,7 +11,10 @@ rsv_status rsv_row_track_create(rsv_context *context, uint32_t rays, rsv_row_tra
     t->tinted_bin_ray = rsv_alloc(context, rays, sizeof *t->tinted_bin_ray);
     t->light_ray = rsv_alloc(context, rays, sizeof *t->light_ray);
     t->light = rsv_alloc(context, rays, sizeof *t->light);
-    if (t->reach && t->tinted_ray && t->bin_ray && t->tinted_bin_ray && t->light_ray && t->light) {
+    t->color = rsv_alloc(context, rays, sizeof *t->color);
+    t->light_color = rsv_alloc(context, rays, sizeof *t->light_color);
+    if (t->reach && t->tinted_ray && t->bin_ray && t->tinted_bin_ray && t->light_ray && t->light &&
+        t->color && t->light_color) {
         *result = t;
         return RSV_OK;
     }
@@ -28,6 +31,8 @@ void rsv_row_track_destroy(rsv_row_track *t)
     rsv_free(t->context, t->tinted_bin_ray);
     rsv_free(t->context, t->light_ray);
     rsv_free(t->context, t->light);
+    rsv_free(t->context, t->color);
+    rsv_free(t->context, t->light_color);
     rsv_free(t->context, t->trail);
     rsv_free(t->context, t);
 }

@@ -26,6 +26,8 @@ typedef struct rsv_row_track {
     uint16_t *light_ray;                ///< [rays] of each emission
     rsv_rgb *light;                     ///< [rays] likewise, as the row counts it
     uint32_t light_count;
+    rsv_rgb *color;         ///< [rays] of the lights, each once; scratch of who stores the row
+    uint16_t *light_color;  ///< [rays] index of each light's
     rsv_trail_point *trail; ///< [trail_count] in the order of rays and of their paths
     size_t trail_count, trail_capacity;
     rsv_context *context;

@@ -8,8 +8,8 @@ rsv_row_tail_view rsv_row_tail_view_of(const rsv_row_tail *t)
     if (!t) return v;
     v.tinted_weight = (rsv_rgb *)(void *)((uint8_t *)(uintptr_t)t + sizeof *t);
     v.bin_weight = v.tinted_weight + t->tinted_count;
-    v.light = v.bin_weight + t->tinted_bin_count;
-    v.tinted_column = (uint32_t *)(void *)(v.light + t->light_count);
+    v.color = v.bin_weight + t->tinted_bin_count;
+    v.tinted_column = (uint32_t *)(void *)(v.color + t->color_count);
     v.trail = (rsv_trail_point *)(void *)(v.tinted_column + t->tinted_count);
     v.tinted_ray = (uint16_t *)(void *)(v.trail + t->trail_count);
     v.bin = v.tinted_ray + t->tinted_count;
@@ -17,6 +17,7 @@ rsv_row_tail_view rsv_row_tail_view_of(const rsv_row_tail *t)
     v.tinted_bin = v.bin_ray + t->bin_count;
     v.tinted_bin_ray = v.tinted_bin + t->tinted_bin_count;
     v.light_ray = v.tinted_bin_ray + t->tinted_bin_count;
+    v.light_color = v.light_ray + t->light_count;
     return v;
 }
 
@@ -25,13 +26,28 @@ static size_t bytes_of(const rsv_row_tail *t)
     return t->tinted_count * (sizeof(rsv_rgb) + sizeof(uint32_t) + sizeof(uint16_t)) +
            t->bin_count * 2 * sizeof(uint16_t) +
            t->tinted_bin_count * (sizeof(rsv_rgb) + 2 * sizeof(uint16_t)) +
-           t->light_count * (sizeof(rsv_rgb) + sizeof(uint16_t)) +
+           t->color_count * sizeof(rsv_rgb) + t->light_count * 2 * sizeof(uint16_t) +
            t->trail_count * sizeof(rsv_trail_point);
 }
 
 static void copy(void *to, const void *from, size_t count, size_t size)
 {
     if (count) memcpy(to, from, count * size);
+}
+
+/// Colours of emission, each of which is looked for among the last few. @param color, index [light_count], out
+static uint32_t list_colors(const rsv_row_track *k, rsv_rgb *color, uint16_t *index)
+{
+    enum { LAST = 4 };
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < k->light_count; i++) {
+        uint32_t at = count > LAST ? count - LAST : 0;
+        while (at < count && memcmp(&color[at], &k->light[i], sizeof *color) != 0)
+            at++;
+        if (at == count) color[count++] = k->light[i];
+        index[i] = (uint16_t)at;
+    }
+    return count;
 }
 
 static void fill(const rsv_row_tail *t, const rsv_row_scratch *s)
@@ -46,7 +62,8 @@ static void fill(const rsv_row_tail *t, const rsv_row_scratch *s)
     copy(v.bin_weight, s->escapes.tinted_weight, t->tinted_bin_count, sizeof *v.bin_weight);
     copy(v.tinted_bin, s->escapes.tinted_bin, t->tinted_bin_count, sizeof *v.tinted_bin);
     copy(v.tinted_bin_ray, k->tinted_bin_ray, t->tinted_bin_count, sizeof *v.tinted_bin_ray);
-    copy(v.light, k->light, t->light_count, sizeof *v.light);
+    copy(v.color, k->color, t->color_count, sizeof *v.color);
+    copy(v.light_color, k->light_color, t->light_count, sizeof *v.light_color);
     copy(v.light_ray, k->light_ray, t->light_count, sizeof *v.light_ray);
     copy(v.trail, k->trail, t->trail_count, sizeof *v.trail);
 }
@@ -57,13 +74,14 @@ rsv_status rsv_row_tail_store(rsv_context *context, const rsv_row_scratch *s, rs
         .bin_count = s->escapes.count,
         .tinted_bin_count = s->escapes.tinted_count,
         .light_count = s->track->light_count,
+        .color_count = list_colors(s->track, s->track->color, s->track->light_color),
         .trail_count = (uint32_t)s->track->trail_count };
     if (s->track->failed) return RSV_ERROR_MEMORY;
     size_t bytes = bytes_of(&now);
     if (bytes == 0 && !*tail) return RSV_OK;
     now.capacity = *tail ? (*tail)->capacity : 0;
     if (bytes > now.capacity) {
-        now.capacity = (uint32_t)(bytes + bytes / 8);
+        now.capacity = (uint32_t)(bytes + (*tail ? bytes / 16 : 0)); // it may grow again
         rsv_row_tail *grown = rsv_reserve(context, sizeof now + now.capacity, 1);
         if (!grown) return RSV_ERROR_MEMORY;
         rsv_free(context, *tail);
@@ -74,8 +92,8 @@ rsv_status rsv_row_tail_store(rsv_context *context, const rsv_row_scratch *s, rs
     return RSV_OK;
 }
 
-static void keep_tinted(const rsv_row_tail *t, const rsv_row_tail_view *v,
-    const uint64_t *touched, rsv_row_scratch *s)
+static void keep_tinted(
+    const rsv_row_tail *t, const rsv_row_tail_view *v, const uint64_t *touched, rsv_row_scratch *s)
 {
     for (uint32_t k = 0; k < t->tinted_count; k++) {
         if (rsv_ray_is_marked(touched, v->tinted_ray[k])) continue;
@@ -85,8 +103,8 @@ static void keep_tinted(const rsv_row_tail *t, const rsv_row_tail_view *v,
     }
 }
 
-static void keep_escapes(const rsv_row_tail *t, const rsv_row_tail_view *v,
-    const uint64_t *touched, rsv_row_scratch *s)
+static void keep_escapes(
+    const rsv_row_tail *t, const rsv_row_tail_view *v, const uint64_t *touched, rsv_row_scratch *s)
 {
     rsv_escape_row *e = &s->escapes;
     for (uint32_t k = 0; k < t->bin_count; k++) {
@@ -111,9 +129,10 @@ void rsv_row_tail_keep(const rsv_row_tail *t, const uint64_t *touched, rsv_row_s
     keep_escapes(t, &v, touched, s);
     for (uint32_t k = 0; k < t->light_count; k++) {
         if (rsv_ray_is_marked(touched, v.light_ray[k])) continue;
-        s->emission = rgb_add(s->emission, v.light[k]);
+        rsv_rgb light = v.color[v.light_color[k]];
+        s->emission = rgb_add(s->emission, light);
         track->light_ray[track->light_count] = v.light_ray[k];
-        track->light[track->light_count++] = v.light[k];
+        track->light[track->light_count++] = light;
     }
     if (rsv_grow(track->context, (void **)&track->trail, &track->trail_capacity, t->trail_count,
             sizeof *track->trail) != RSV_OK) {
@@ -146,14 +165,20 @@ static lattice_box on_lattice(const rsv_trail_frame *f, rsv_vec3 low, rsv_vec3 h
     return b;
 }
 
+/// Whether the box around a segment misses a box.
+static bool is_beside(const lattice_box *b, const uint16_t p[3], const uint16_t q[3])
+{
+    bool beside = false;
+    for (int k = 0; k < 3; k++)
+        beside |= (p[k] < b->low[k] && q[k] < b->low[k]) | (p[k] > b->high[k] && q[k] > b->high[k]);
+    return beside;
+}
+
 /// Whether the segment between two places may meet a box.
 static bool segment_meets(const lattice_box *b, const uint16_t p[3], const uint16_t q[3])
 {
     float from = 0, to = 1;
-    for (int k = 0; k < 3; k++) {
-        int32_t least = p[k] < q[k] ? p[k] : q[k], most = p[k] < q[k] ? q[k] : p[k];
-        if (most < b->low[k] || least > b->high[k]) return false;
-    }
+    if (is_beside(b, p, q)) return false;
     for (int k = 0; k < 3; k++) {
         float d = (float)q[k] - (float)p[k];
         if (d == 0) continue;
@@ -169,12 +194,19 @@ void rsv_row_tail_touch(const rsv_row_tail *t, const rsv_trail_frame *frame,
 {
     if (!t) return;
     const rsv_trail_point *trail = rsv_row_tail_view_of(t).trail;
-    for (uint32_t box = 0; box < change->count; box++) {
-        lattice_box b = on_lattice(frame, change->low[box], change->high[box]);
-        for (uint32_t k = 1; k < t->trail_count; k++) {
-            uint32_t ray = trail[k].ray;
-            if (ray == trail[k - 1].ray && segment_meets(&b, trail[k - 1].at, trail[k].at))
-                touched[ray / 64] |= (uint64_t)1 << (ray % 64);
+    lattice_box box[RSV_MOST_CHANGES], all = { { 65537, 65537, 65537 }, { -2, -2, -2 } };
+    for (uint32_t k = 0; k < change->count; k++) {
+        box[k] = on_lattice(frame, change->low[k], change->high[k]);
+        for (int i = 0; i < 3; i++) {
+            if (box[k].low[i] < all.low[i]) all.low[i] = box[k].low[i];
+            if (box[k].high[i] > all.high[i]) all.high[i] = box[k].high[i];
         }
+    }
+    for (uint32_t k = 1; k < t->trail_count; k++) {
+        uint32_t ray = trail[k].ray;
+        if (ray != trail[k - 1].ray || is_beside(&all, trail[k - 1].at, trail[k].at)) continue;
+        for (uint32_t b = 0; b < change->count; b++)
+            if (segment_meets(&box[b], trail[k - 1].at, trail[k].at))
+                touched[ray / 64] |= (uint64_t)1 << (ray % 64);
     }
 }

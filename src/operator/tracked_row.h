@@ -7,16 +7,17 @@
 
 /// In one piece of memory, which grows.
 typedef struct rsv_row_tail {
-    uint32_t tinted_count, bin_count, tinted_bin_count, light_count, trail_count;
+    uint32_t tinted_count, bin_count, tinted_bin_count, light_count, color_count, trail_count;
     uint32_t capacity; ///< bytes of all that follows
 } rsv_row_tail;
 
 /// Where its arrays lie.
 typedef struct rsv_row_tail_view {
-    rsv_rgb *tinted_weight, *bin_weight, *light;
+    rsv_rgb *tinted_weight, *bin_weight;
+    rsv_rgb *color; ///< [color_count] of emission: most rays that meet a lamp find the same
     uint32_t *tinted_column;
     rsv_trail_point *trail;
-    uint16_t *tinted_ray, *bin, *bin_ray, *tinted_bin, *tinted_bin_ray, *light_ray;
+    uint16_t *tinted_ray, *bin, *bin_ray, *tinted_bin, *tinted_bin_ray, *light_ray, *light_color;
 } rsv_row_tail_view;
 
 /// @param tail NULL = empty
@@ -27,8 +28,7 @@ rsv_status rsv_row_tail_store(
     rsv_context *context, const rsv_row_scratch *scratch, rsv_row_tail **tail);
 
 /// Copies what belongs to rays that are not touched into an empty row. @param touched [rays] bit by bit
-void rsv_row_tail_keep(
-    const rsv_row_tail *tail, const uint64_t *touched, rsv_row_scratch *scratch);
+void rsv_row_tail_keep(const rsv_row_tail *tail, const uint64_t *touched, rsv_row_scratch *scratch);
 
 /// Marks rays whose paths touch a box. @param touched [rays] bit by bit, added to
 void rsv_row_tail_touch(const rsv_row_tail *tail, const rsv_trail_frame *frame,

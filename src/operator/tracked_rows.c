@@ -15,16 +15,17 @@ typedef struct tracked_rows {
     rsv_row_tracer tracer;
     rsv_row_cones cones;
     rsv_trail_frame frame;
-    uint32_t rays;           ///< of a row
-    uint32_t *slot;          ///< [row_count] of the row in all that follows; RSV_NONE = it hangs
+    uint32_t rays;  ///< of a row
+    uint32_t *slot; ///< [row_count] of the row in all that follows; RSV_NONE = it hangs
     size_t slot_count;
-    uint32_t *column;        ///< [slot_count * rays] ends of weight 1, the first `count` of each
-    uint16_t *reach;         ///< [slot_count * rays]
-    uint8_t *kind;           ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
-    uint32_t *count;         ///< [slot_count]
-    rsv_row_place *place;    ///< [slot_count]
-    rsv_row_tail **tail;     ///< [slot_count]
+    uint32_t *column;         ///< [slot_count * rays] ends of weight 1, the first `count` of each
+    uint16_t *reach;          ///< [slot_count * rays]
+    uint8_t *kind;            ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
+    uint32_t *count;          ///< [slot_count]
+    rsv_row_place *place;     ///< [slot_count]
+    rsv_row_tail **tail;      ///< [slot_count]
     size_t entries;           ///< of all rows
+    size_t live_rows;         ///< neither hanging nor buried
     rsv_row_scratch *scratch; ///< [threads]
 } tracked_rows;
 
@@ -112,8 +113,8 @@ static uint32_t keep_others(const patch *p)
 }
 
 /// Traces the touched rays of a packet. @param seen [LANES] kinds of all of them
-static void trace_touched(const patch *p, const rsv_row_receiver *r, uint32_t first,
-    rsv_ray_packet *packet)
+static void trace_touched(
+    const patch *p, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
 {
     rsv_row_scratch *s = p->scratch;
     uint8_t seen[LANES];
@@ -164,8 +165,6 @@ static void empty_row(const patch *p)
     t->count[p->slot] = 0;
     t->transport.scale[p->node] = 0;
     t->transport.gathered[p->node] = rgb_gray(0);
-    memset(t->kind + p->first, RSV_TARGET_BLACK, t->rays);
-    memset(t->reach + p->first, 0, t->rays * sizeof *t->reach);
     rsv_free(t->transport.context, t->tail[p->slot]);
     t->tail[p->slot] = NULL;
 }
@@ -250,9 +249,11 @@ cleanup:
 
 static void count_entries(tracked_rows *t)
 {
-    t->entries = 0;
+    t->entries = t->live_rows = 0;
     for (size_t k = 0; k < t->slot_count; k++)
         t->entries += t->count[k] + (t->tail[k] ? t->tail[k]->tinted_count : 0);
+    for (size_t row = 0; row < t->transport.row_count; row++)
+        t->live_rows += t->transport.scale[row] > 0;
 }
 
 bool rsv_tracked_rows_can_follow(const rsv_transport *transport, const rsv_scene_change *change)
@@ -279,7 +280,7 @@ rsv_status rsv_tracked_rows_patch(
     RSV_TRY(find_rows(t, motion));
     RSV_TRY(list_escapes(t));
     count_entries(t);
-    *patched = (rsv_rows_patched){ .rays = (uint64_t)t->slot_count * t->rays };
+    *patched = (rsv_rows_patched){ .rays = (uint64_t)t->live_rows * t->rays };
     for (int thread = 0; thread < threads; thread++) {
         patched->traced += t->scratch[thread].rays;
         patched->kept_rows += t->scratch[thread].kept_rows;
@@ -296,8 +297,8 @@ static rsv_trail_frame frame_around(const rsv_scene_view *view)
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
     rsv_vec3 size = v3_sub(high, low);
     float least = 0.05f * v3_length(size);
-    rsv_vec3 more = v3(f_max(0.1f * size.x, least), f_max(0.1f * size.y, least),
-        f_max(0.1f * size.z, least));
+    rsv_vec3 more =
+        v3(f_max(0.1f * size.x, least), f_max(0.1f * size.y, least), f_max(0.1f * size.z, least));
     return (rsv_trail_frame){ v3_sub(low, more), v3_add(high, more) };
 }
 
@@ -351,8 +352,8 @@ rsv_status rsv_tracked_rows_create(const rsv_transport_desc *d, rsv_transport **
     t->transport.row_count = d->elements->node_count;
     t->rays = d->rays;
     t->frame = frame_around(d->scene->view);
-    t->tracer = (rsv_row_tracer){ d->scene, d->lights, d->elements, d->valid_points,
-        .seed = d->seed };
+    t->tracer =
+        (rsv_row_tracer){ d->scene, d->lights, d->elements, d->valid_points, .seed = d->seed };
     RSV_TRY(rsv_row_tracer_begin(&t->tracer, d->rays));
     RSV_TRY(rsv_row_cones_create(context, &t->tracer.directions, &t->cones));
     RSV_TRY(create_arrays(t, d->elements));
@@ -408,7 +409,8 @@ static size_t bytes(const rsv_transport *transport)
     const tracked_rows *t = rows_of(transport);
     size_t ray = sizeof *t->column + sizeof *t->reach + sizeof *t->kind;
     size_t slot = sizeof *t->count + sizeof *t->place + sizeof *t->tail;
-    size_t sum = t->slot_count * (t->rays * ray + slot) + transport->row_count * sizeof *t->slot;
+    size_t sum = t->live_rows * t->rays * ray + t->slot_count * slot +
+                 transport->row_count * sizeof *t->slot; // other rows are never touched
     for (size_t k = 0; k < t->slot_count; k++)
         if (t->tail[k]) sum += sizeof **t->tail + t->tail[k]->capacity;
     return sum;

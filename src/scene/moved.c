@@ -8,7 +8,10 @@
 
 // ---- moving objects -------------------------------------------------------------------------------
 
-static rsv_vec3 column_of(const float m[16], int k) { return v3(m[4 * k], m[4 * k + 1], m[4 * k + 2]); }
+static rsv_vec3 column_of(const float m[16], int k)
+{
+    return v3(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
+}
 
 static rsv_vec3 combine(const rsv_vec3 axis[3], rsv_vec3 v)
 {
@@ -56,7 +59,8 @@ static rsv_status place(const rsv_scene *scene, const rsv_motion *motion, placem
             object_name(scene, motion));
     if (volume < 0)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "scene: object '%s' is mirrored, which turns its triangles over; build a scene with the "
+            "scene: object '%s' is mirrored, which turns its triangles over; build a scene with "
+            "the "
             "mirrored mesh instead",
             object_name(scene, motion));
     return RSV_OK;

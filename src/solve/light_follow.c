@@ -4,8 +4,9 @@
 /// 2. Coarse elements keep their numbers; beside boxes, what is buried is judged again (update/moved_elements.h).
 /// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
 /// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
-///    is divided anew there, and taken over elsewhere (update/level_before.h).
+///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
 /// 5. E = E0 + G K E is solved on from the E of before.
+#include "../core/device.h"
 #include "../core/team.h"
 #include "../operator/tracked_rows.h"
 #include "../scene/moved.h"
@@ -20,10 +21,11 @@
 
 /// What a light keeps between motions.
 typedef struct rsv_following {
-    rsv_elements *elements; ///< of the operator, retained
-    uint16_t *valid_points; ///< [node_count] of the operator
-    rsv_transport *rows;    ///< likewise
-    rsv_rgb *direct;        ///< [node_count] next-event estimates, W/m2
+    rsv_elements *elements;     ///< of the operator, retained
+    uint16_t *valid_points;     ///< [node_count] of the operator
+    rsv_transport *rows;        ///< likewise
+    rsv_rgb *direct;            ///< [node_count] next-event estimates, W/m2
+    rsv_scene_change undivided; ///< boxes of motions since the level of direct light was divided
 } rsv_following;
 
 /// One motion.
@@ -59,8 +61,8 @@ static void add_boxes(motion *m)
             const uint32_t *corner = view->triangle[t];
             rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
                      c = view->position[corner[2]];
-            rsv_scene_change_add(&m->change, v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c),
-                own == object);
+            rsv_scene_change_add(
+                &m->change, v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), own == object);
         }
         object = own;
     }
@@ -88,8 +90,8 @@ static rsv_status move_world(motion *m, const rsv_scene *version)
     add_boxes(m);
     rsv_scene_change_add_margins(&m->change);
     m->shafts = (rsv_light_shafts){ .change = &m->change,
-        .all_light_changed = m->begins || m->difference.lights_moved || moves_emitter(m) ||
-                             s->scene.media.bodies };
+        .all_light_changed =
+            m->begins || m->difference.lights_moved || moves_emitter(m) || s->scene.media.bodies };
     if (m->difference.lights_moved || moves_emitter(m))
         RSV_TRY(rsv_light_find_sources(s, s->sources->lights));
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
@@ -107,8 +109,8 @@ static rsv_status begin(motion *m)
     rsv_status status;
     rsv_following *f = s->following = rsv_alloc(s->context, 1, sizeof *f);
     RSV_TRY(f ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_elements_copy(
-        s->elements, s->world->scene.view, s->world->scene.bsdf, &f->elements));
+    RSV_TRY(
+        rsv_elements_copy(s->elements, s->world->scene.view, s->world->scene.bsdf, &f->elements));
     f->direct = rsv_alloc(s->context, nodes, sizeof *f->direct);
     RSV_TRY(f->direct ? RSV_OK : RSV_ERROR_MEMORY);
 cleanup:
@@ -175,14 +177,15 @@ static rsv_status move_operator(motion *m)
 {
     rsv_light *s = m->s;
     rsv_following *f = s->following;
-    const rsv_support_draw draw = { RSV_SUPPORT_POINTS, s->desc.seed };
+    const rsv_elements_motion elements = { m->difference.moved, &m->change,
+        { RSV_SUPPORT_POINTS, s->desc.seed } };
     rsv_status status;
     bool whole = m->begins || !rsv_tracked_rows_can_follow(f->rows, &m->change);
     m->anew = rsv_alloc(s->context, f->elements->node_count, 1);
     RSV_TRY(m->anew ? RSV_OK : RSV_ERROR_MEMORY);
     if (whole) RSV_TRY(copy_valid_points(m));
-    RSV_TRY(rsv_elements_follow(&s->world->scene, f->elements, m->difference.moved, &m->change,
-        draw, f->valid_points, m->anew));
+    RSV_TRY(
+        rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
     if (whole) {
         RSV_TRY(trace_rows(m));
         RSV_TRY(take_operator(m));
@@ -232,29 +235,36 @@ cleanup:
     return status;
 }
 
+/// Builds the level of direct light anew where anything moved since that was done last; its splits are those of a solve then.
+static rsv_status divide_again(motion *m, const rsv_level_limits *limits)
+{
+    rsv_light *s = m->s;
+    rsv_light_shafts shafts = m->shafts;
+    shafts.change = &s->following->undivided;
+    const rsv_level_motion moved = { m->difference.moved, &shafts, s->sources->lights };
+    rsv_status status = rsv_source_divide_again(s, limits, &moved);
+    s->following->undivided.count = 0;
+    return status;
+}
+
 /// Direct light and caustics on their own elements.
 static rsv_status find_levels(motion *m)
 {
     rsv_light *s = m->s;
-    rsv_source_level fine = s->field.fine;
     rsv_status status;
     uint8_t *hidden = NULL;
-    const rsv_level_before before = { fine.elements, fine.direct, fine.deviation,
-        fine.valid_points, &m->shafts, m->difference.moved };
-    const rsv_known_cells answers = rsv_level_before_answers(&before);
-    const rsv_update update = { .before = &before };
-    s->field.fine = (rsv_source_level){ 0 };
-    rsv_source_level_destroy(s->context, &s->field.caustics);
-    if (fine.elements && fine.deviation && fine.valid_points && !m->begins) {
-        s->scene.update = &update;
-        s->scene.known_cells = &answers;
-    }
+    rsv_scene_change *undivided = &s->following->undivided;
+    const rsv_level_motion moved = { m->difference.moved, &m->shafts, s->sources->lights };
+    for (uint32_t k = 0; k < m->change.count; k++)
+        rsv_scene_change_add(undivided, m->change.low[k], m->change.high[k], false);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
-    RSV_TRY(rsv_source_create_levels(s, &limits));
+    if (!m->begins && rsv_source_has_grown(s))
+        RSV_TRY(divide_again(m, &limits));
+    else
+        RSV_TRY(rsv_source_follow_levels(s, &limits, m->begins ? NULL : &moved));
+    if (m->begins) undivided->count = 0;
 cleanup:
-    s->scene = s->world->scene;
-    rsv_source_level_destroy(s->context, &fine);
     rsv_free(s->context, hidden);
     return status;
 }
@@ -298,6 +308,9 @@ static rsv_status check(const rsv_light *s)
 {
     if (rsv_team_place_of(s->context).size > 1)
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "light follows moving objects in one process alone");
+    if (rsv_context_device(s->context))
+        return rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "light follows moving objects on the processor alone");
     if (!s->field.irradiance || !s->field.indirect)
         return rsv_fail(RSV_ERROR_ARGUMENT, "light: it is not solved yet, and cannot follow");
     return RSV_OK;
@@ -317,6 +330,23 @@ cleanup:
     return status;
 }
 
+/// Finishes the level of direct light, once all is at rest.
+static rsv_status settle(motion *m)
+{
+    rsv_light *s = m->s;
+    uint8_t *hidden = NULL;
+    rsv_status status;
+    m->shafts =
+        (rsv_light_shafts){ .change = &m->change, .all_light_changed = s->scene.media.bodies };
+    rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
+    RSV_TRY(rsv_source_hidden_cells(s, &hidden));
+    const rsv_level_limits limits = { SIZE_MAX, hidden };
+    RSV_TRY(divide_again(m, &limits));
+cleanup:
+    rsv_free(s->context, hidden);
+    return status;
+}
+
 rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_report *report)
 {
     motion m = { .s = s, .begins = !s->following };
@@ -325,7 +355,10 @@ rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_r
     RSV_TRY(check(s));
     RSV_TRY(rsv_scene_find_moved(s->world->scene.scene, version, &m.difference));
     bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
-    if (!rests) RSV_TRY(follow(&m, version));
+    if (!rests)
+        RSV_TRY(follow(&m, version));
+    else if (s->following->undivided.count > 0)
+        RSV_TRY(settle(&m));
     rsv_light_publish(s);
     if (report) fill_report(&m, rsv_seconds() - start, report);
 cleanup:

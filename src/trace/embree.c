@@ -242,6 +242,7 @@ bool rsv_tracer_is_apart(const rsv_tracer *tracer) { return tracer->apart != NUL
 
 rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
+    if (!tracer->apart_attached) return RSV_OK; // nothing moves yet
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;

@@ -122,8 +122,9 @@ static rsv_status open_blob(rsv_history *p, const rsv_transport_scene *scene,
     *sound = is_sound(p->header, p->blob.count, settings);
     if (!*sound) return RSV_OK;
     p->layout = rsv_history_layout_of(p->header);
-    p->shafts.all_light_changed = p->header->lights == RSV_HISTORY_NO_LIGHTS || scene->media.bodies ||
-                           p->header->lights != rsv_history_lights_key(lights);
+    p->shafts.all_light_changed = p->header->lights == RSV_HISTORY_NO_LIGHTS ||
+                                  scene->media.bodies ||
+                                  p->header->lights != rsv_history_lights_key(lights);
     RSV_TRY(check_cells(p, sound));
     if (!*sound) goto cleanup;
     RSV_TRY(rsv_history_find_faces(p, scene->view));

@@ -181,8 +181,7 @@ rsv_status rsv_kept_direct(
     RSV_TRY(rsv_history_find_light_changed(history, e, &light_changed));
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE ||
-            rsv_node_light_is_changed(e, n, light_changed))
+        if (e->node_hanging[n] != RSV_NONE || rsv_node_light_is_changed(e, n, light_changed))
             continue;
         const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
         known[n] = then != NULL;

@@ -80,8 +80,7 @@ bool rsv_cell_is_beside(const rsv_elements *e, uint32_t cell, const rsv_scene_ch
     return rsv_box_meets(&b, change);
 }
 
-static bool is_support_beside(
-    const rsv_elements *e, uint32_t node, const rsv_scene_change *change)
+static bool is_support_beside(const rsv_elements *e, uint32_t node, const rsv_scene_change *change)
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
         if (rsv_cell_is_beside(e, e->support[s] / 4, change)) return true;

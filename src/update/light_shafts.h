@@ -6,7 +6,9 @@
 #include "../elements/elements.h"
 #include "../sources/lights.h"
 #include "scene_change.h"
-#include "update_constants.h"
+
+/// Sources that are told apart; direct light of scenes with more is found anew wherever one has changed.
+#define RSV_HISTORY_SOURCES 64
 
 /// Metres.
 typedef struct rsv_box {
@@ -20,8 +22,10 @@ rsv_box rsv_reach_of_cell(const rsv_elements *elements, uint32_t cell);
 /// Whether a box meets any of those around a change.
 bool rsv_box_meets(const rsv_box *box, const rsv_scene_change *change);
 /// Whether a change may reach what a cell, or any cell whose light a node receives, is asked for.
-bool rsv_cell_is_beside(const rsv_elements *elements, uint32_t cell, const rsv_scene_change *change);
-bool rsv_node_is_beside(const rsv_elements *elements, uint32_t node, const rsv_scene_change *change);
+bool rsv_cell_is_beside(
+    const rsv_elements *elements, uint32_t cell, const rsv_scene_change *change);
+bool rsv_node_is_beside(
+    const rsv_elements *elements, uint32_t node, const rsv_scene_change *change);
 
 typedef struct rsv_light_shafts {
     const rsv_scene_change *change; ///< what moved

@@ -5,16 +5,15 @@
 #include <string.h>
 
 /// Cells that something came or went beside, and those that moved.
-static void find_near(const rsv_elements *e, const uint8_t *moved, const rsv_scene_change *change,
-    uint8_t *near)
+static void find_near(
+    const rsv_elements *e, const uint8_t *moved, const rsv_scene_change *change, uint8_t *near)
 {
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
         near[c] = moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, change);
 }
 
-static void judge_corners(
-    const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+static void judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
 {
     if (!e->cell_openness) return;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))
@@ -50,19 +49,17 @@ static node_change change_of(
     return change;
 }
 
-/// @param whether bodies that light passes are in the scene: what lies in one may have another medium around it now
+/// Where bodies of glass are, what lies in one may have another medium around it now: all beside something is found anew.
 static void judge_points(const rsv_transport_scene *scene, const rsv_elements *e,
-    const uint8_t *moved, const uint8_t *near, rsv_support_draw draw, uint16_t *valid_points,
-    uint8_t *anew)
+    const rsv_elements_motion *m, const uint8_t *near, uint16_t *valid_points, uint8_t *anew)
 {
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
-        node_change change = change_of(e, n, moved, near);
+        node_change change = change_of(e, n, m->moved, near);
         uint64_t rays = 0;
         anew[n] = 0;
         if (e->node_hanging[n] != RSV_NONE || !(change.near || change.moved)) continue;
-        uint16_t valid =
-            rsv_judge_points(scene, e, n, rsv_elements_draw_of(e, n), draw, &rays);
+        uint16_t valid = rsv_judge_points(scene, e, n, rsv_elements_draw_of(e, n), m->draw, &rays);
         anew[n] = change.moved || valid != valid_points[n] || scene->media.bodies;
         valid_points[n] = valid;
     }
@@ -93,7 +90,7 @@ static rsv_status bridge_again(
     for (uint32_t c = 0; c < e->cell_count && status == RSV_OK; c++) {
         if (memcmp(before[c], e->cell_node[c], sizeof before[c]) == 0) continue;
         rsv_box b = rsv_box_of_cell(e, c);
-        if (!rsv_box_meets(&b, change) || true) rsv_scene_change_add(change, b.low, b.high, false);
+        rsv_scene_change_cover(change, b.low, b.high);
     }
     rsv_free(e->context, before);
     return status;
@@ -110,17 +107,16 @@ static bool changes_size(const rsv_elements *e, const uint8_t *moved)
 }
 
 rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *e,
-    const uint8_t *moved, rsv_scene_change *change, rsv_support_draw draw, uint16_t *valid_points,
-    uint8_t *anew)
+    const rsv_elements_motion *m, uint16_t *valid_points, uint8_t *anew)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     uint8_t *near = rsv_reserve(e->context, e->cell_count, 1);
     if (!near) return status;
-    if (changes_size(e, moved)) rsv_elements_find_areas(e);
-    find_near(e, moved, change, near);
+    if (changes_size(e, m->moved)) rsv_elements_find_areas(e);
+    find_near(e, m->moved, m->change, near);
     judge_corners(scene, e, near);
-    judge_points(scene, e, moved, near, draw, valid_points, anew);
-    status = bridge_again(e, valid_points, change);
+    judge_points(scene, e, m, near, valid_points, anew);
+    status = bridge_again(e, valid_points, m->change);
     rsv_free(e->context, near);
     return status;
 }

@@ -16,7 +16,5 @@
 #define REACH_OF_SIZE 0.6f
 /// ... and this part of the spacing.
 #define REACH_OF_SPACING 0.25f
-/// Sources that are told apart; direct light of scenes with more is found anew wherever one has changed.
-#define RSV_HISTORY_SOURCES 64
 
 #endif
