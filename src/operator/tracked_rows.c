@@ -296,9 +296,9 @@ static rsv_trail_frame frame_around(const rsv_scene_view *view)
 {
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
     rsv_vec3 size = v3_sub(high, low);
-    float least = 0.05f * v3_length(size);
-    rsv_vec3 more =
-        v3(f_max(0.1f * size.x, least), f_max(0.1f * size.y, least), f_max(0.1f * size.z, least));
+    float least = 0.1f * v3_length(size);
+    rsv_vec3 more = v3(f_max(TRAIL_ROOM * size.x, least), f_max(TRAIL_ROOM * size.y, least),
+        f_max(TRAIL_ROOM * size.z, least));
     return (rsv_trail_frame){ v3_sub(low, more), v3_add(high, more) };
 }
 
