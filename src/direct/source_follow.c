@@ -1,6 +1,7 @@
 /// Levels of direct light and caustics whose surfaces move. Elements stay: light is sampled again at nodes that a motion may
 /// have hidden from a source, or shown to it, and cells are split further where new shadows end.
 #include "../update/moved_elements.h"
+#include "direct_constants.h"
 #include "source_level_internal.h"
 
 #include <string.h>
@@ -44,19 +45,21 @@ static rsv_status move_elements(level_follower *f)
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
 }
 
-/// Cells where light may be another, found for the coarse cells that they lie in.
+/// Cells where light may be another: looked for in coarse cells where it may be.
 static rsv_status find_changed(level_follower *f)
 {
     const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
     uint8_t *coarse_changed = NULL;
+    const rsv_light_shafts *shafts = f->motion->shafts;
     rsv_status status;
     f->changed = rsv_alloc(e->context, e->cell_count, 1);
     RSV_TRY(f->changed ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_light_shafts_find_changed(f->motion->shafts, coarse, &coarse_changed));
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    RSV_TRY(rsv_light_shafts_find_changed(shafts, coarse, &coarse_changed));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
         f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
-                        coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])];
+                        (coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
+                            rsv_light_shafts_meet(shafts, e, c));
 cleanup:
     rsv_free(e->context, coarse_changed);
     return status;
@@ -111,7 +114,8 @@ cleanup:
     return status;
 }
 
-/// Splits cells where light bends now, once: those of a shadow that moves on are split by the motions to come.
+/// Splits cells where light bends now, once: those of a shadow that moves on are split by the motions to come. A few are left
+/// until the level is built anew.
 static rsv_status split_cells(level_follower *f)
 {
     rsv_level_builder *b = &f->b;
@@ -125,7 +129,7 @@ static rsv_status split_cells(level_follower *f)
         b->split[c] &= f->changed[c];
         marked += b->split[c];
     }
-    if (marked > 0) RSV_TRY(split_marked(f));
+    if (marked > SPLIT_SHARE * b->elements->cell_count) RSV_TRY(split_marked(f));
 cleanup:
     return status;
 }

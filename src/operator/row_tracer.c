@@ -20,15 +20,30 @@ static rsv_rgb scale_of_entry(const rsv_row_tracer *tracer, const rsv_row_receiv
     return rgb(rays / f_max(sum.r, least), rays / f_max(sum.g, least), rays / f_max(sum.b, least));
 }
 
+/// Where the rays of a node leave. @param sample out
+static void place_points(const rsv_row_tracer *tracer, const rsv_receiver_draw *draw,
+    rsv_support_point sample[LANES], rsv_receiver_points *points)
+{
+    rsv_receiver_points_choose(tracer->elements, *draw, sample);
+    rsv_receiver_points_set_up(tracer->elements, tracer->scene->tracer, *draw, sample, points);
+}
+
+void rsv_row_place_points(const rsv_row_tracer *tracer, uint32_t node, rsv_receiver_points *points)
+{
+    rsv_support_point sample[LANES];
+    const rsv_receiver_draw draw = { node, rsv_elements_draw_of(tracer->elements, node),
+        tracer->seed, tracer->valid_points[node] };
+    place_points(tracer, &draw, sample, points);
+}
+
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
     const rsv_elements *e = tracer->elements;
     rsv_receiver_points *p = &r->points;
     rsv_support_point sample[LANES];
-    rsv_receiver_draw draw = { node, index, tracer->seed, valid };
-    rsv_receiver_points_choose(e, draw, sample);
-    rsv_receiver_points_set_up(e, tracer->scene->tracer, draw, sample, p);
+    const rsv_receiver_draw draw = { node, index, tracer->seed, valid };
+    place_points(tracer, &draw, sample, p);
     r->index = index;
     r->valid = valid;
     r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);

@@ -10,6 +10,9 @@
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *receiver);
 
+/// Where the rays of a node leave, and nothing else of its receiver.
+void rsv_row_place_points(const rsv_row_tracer *tracer, uint32_t node, rsv_receiver_points *points);
+
 /// An empty row of the receiver's rays. @return a packet with all lanes on, to trace them with
 rsv_ray_packet rsv_row_begin(
     const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, rsv_row_scratch *scratch);

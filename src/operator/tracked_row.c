@@ -2,25 +2,6 @@
 
 #include <string.h>
 
-rsv_row_tail_view rsv_row_tail_view_of(const rsv_row_tail *t)
-{
-    rsv_row_tail_view v = { 0 };
-    if (!t) return v;
-    v.tinted_weight = (rsv_rgb *)(void *)((uint8_t *)(uintptr_t)t + sizeof *t);
-    v.bin_weight = v.tinted_weight + t->tinted_count;
-    v.color = v.bin_weight + t->tinted_bin_count;
-    v.tinted_column = (uint32_t *)(void *)(v.color + t->color_count);
-    v.trail = (rsv_trail_point *)(void *)(v.tinted_column + t->tinted_count);
-    v.tinted_ray = (uint16_t *)(void *)(v.trail + t->trail_count);
-    v.bin = v.tinted_ray + t->tinted_count;
-    v.bin_ray = v.bin + t->bin_count;
-    v.tinted_bin = v.bin_ray + t->bin_count;
-    v.tinted_bin_ray = v.tinted_bin + t->tinted_bin_count;
-    v.light_ray = v.tinted_bin_ray + t->tinted_bin_count;
-    v.light_color = v.light_ray + t->light_count;
-    return v;
-}
-
 static size_t bytes_of(const rsv_row_tail *t)
 {
     return t->tinted_count * (sizeof(rsv_rgb) + sizeof(uint32_t) + sizeof(uint16_t)) +

@@ -49,6 +49,7 @@ typedef struct patch {
     tracked_rows *t;
     uint32_t node;
     size_t slot, first; ///< first ray of the row in arrays of rays
+    size_t set;         ///< of directions, in packets
     rsv_row_scratch *scratch;
     uint64_t touched[MOST_RAYS / 64];
 } patch;
@@ -60,35 +61,38 @@ static bool is_touched(const patch *p)
     return false;
 }
 
-static void touch_packet(const patch *p, const rsv_row_receiver *r, const rsv_scene_change *change,
-    uint32_t first, uint64_t *touched)
+static void touch_packet(
+    patch *p, const rsv_receiver_points *points, const rsv_scene_change *change, uint32_t first)
 {
     rsv_ray_packet packet;
     float at[LANES];
     const uint16_t *reach = p->t->reach + p->first + first;
-    rsv_row_aim(&p->t->tracer, r, first, &packet);
+    const rsv_directions *d = &p->t->tracer.directions;
+    size_t from = p->set * LANES + first;
+    rsv_receiver_points_aim(points, d->x + from, d->y + from, d->z + from, &packet);
     rsv_scene_change_meets(change, &packet, at);
     for (uint32_t k = 0; k < LANES; k++) {
         bool meets = packet.t_max[k] > 0 && at[k] < INFINITY &&
                      at[k] * (1 - 1e-4f) <= rsv_reach_metres(reach[k]);
-        touched[(first + k) / 64] |= (uint64_t)meets << ((first + k) % 64);
+        p->touched[(first + k) / 64] |= (uint64_t)meets << ((first + k) % 64);
     }
 }
 
-/// Finds the rays of a row that touch boxes. @param receiver set up where there may be any
-static bool find_touched(patch *p, const rsv_scene_change *change, rsv_row_receiver *r)
+/// Finds the rays of a row that touch boxes. @return whether there are any
+static bool find_touched(patch *p, const rsv_scene_change *change)
 {
     tracked_rows *t = p->t;
+    rsv_receiver_points points;
     uint64_t packet[RSV_MOST_ROW_PACKETS / 64];
     uint32_t index = rsv_elements_draw_of(t->tracer.elements, p->node);
-    size_t set = rsv_directions_of(&t->tracer.directions, t->tracer.seed, index) / LANES;
+    p->set = rsv_directions_of(&t->tracer.directions, t->tracer.seed, index) / LANES;
     memset(p->touched, 0, sizeof p->touched);
     rsv_row_tail_touch(t->tail[p->slot], &t->frame, change, p->touched);
-    bool near = rsv_row_cones_meet(&t->cones, set, &t->place[p->slot], change, packet);
-    if (!near && !is_touched(p)) return false;
-    rsv_row_receive(&t->tracer, p->node, r);
+    if (!rsv_row_cones_meet(&t->cones, p->set, &t->place[p->slot], change, packet))
+        return is_touched(p);
+    rsv_row_place_points(&t->tracer, p->node, &points);
     for (uint32_t k = 0; k < t->cones.packets; k++)
-        if (rsv_ray_is_marked(packet, k)) touch_packet(p, r, change, k * LANES, p->touched);
+        if (rsv_ray_is_marked(packet, k)) touch_packet(p, &points, change, k * LANES);
     return is_touched(p);
 }
 
@@ -185,10 +189,11 @@ static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
         rsv_row_trace_from(&t->tracer, &r, p->scratch);
         return store_row(p);
     }
-    if (!find_touched(p, motion->change, &r)) {
+    if (!find_touched(p, motion->change)) {
         p->scratch->kept_rows++;
         return RSV_OK;
     }
+    rsv_row_receive(&t->tracer, p->node, &r);
     trace_again(p, &r);
     return store_row(p);
 }
