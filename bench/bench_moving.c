@@ -232,7 +232,7 @@ static rsv_status measure(const stage *s, cJSON *result)
 {
     static const readings none = { 0 };
     rsv_update_store *store = NULL;
-    frame_lights lights = { NULL };
+    frame_lights lights = { NULL, NULL, NULL };
     readings *r = malloc(sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
     *r = none;

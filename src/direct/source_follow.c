@@ -114,22 +114,38 @@ cleanup:
     return status;
 }
 
-/// Splits cells where light bends now, once: those of a shadow that moves on are split by the motions to come. A few are left
-/// until the level is built anew.
-static rsv_status split_cells(level_follower *f)
+/// Marks cells where light bends now. @param marked out: how many
+static rsv_status mark_changed(level_follower *f, size_t *marked)
 {
     rsv_level_builder *b = &f->b;
+    rsv_context *context = b->coarse->context;
     rsv_status status;
-    size_t marked = 0;
-    b->split = rsv_alloc(b->coarse->context, b->elements->cell_count, 1);
+    rsv_free(context, b->split);
+    b->split = rsv_alloc(context, b->elements->cell_count, 1);
     RSV_TRY(b->split ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_level_mark_cells(b, 0, &marked));
-    marked = 0;
+    RSV_TRY(rsv_level_mark_cells(b, 0, marked));
+    *marked = 0;
     for (size_t c = 0; c < b->elements->cell_count; c++) {
         b->split[c] &= f->changed[c];
-        marked += b->split[c];
+        *marked += b->split[c];
     }
-    if (marked > SPLIT_SHARE * b->elements->cell_count) RSV_TRY(split_marked(f));
+cleanup:
+    return status;
+}
+
+/// Splits cells until light bends within few: those are left until the level is built anew.
+static rsv_status split_cells(level_follower *f)
+{
+    rsv_status status = RSV_OK;
+    for (uint32_t round = 0; round < f->b.desc->levels; round++) {
+        size_t marked;
+        RSV_TRY(mark_changed(f, &marked));
+        if ((float)marked <= SPLIT_SHARE * (float)f->b.elements->cell_count) break;
+        RSV_TRY(split_marked(f));
+        rsv_free(f->b.coarse->context, f->changed);
+        f->changed = NULL;
+        RSV_TRY(find_changed(f));
+    }
 cleanup:
     return status;
 }

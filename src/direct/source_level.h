@@ -49,7 +49,7 @@ typedef struct rsv_level_motion {
     const rsv_lights *lights;       ///< as they are now
 } rsv_level_motion;
 
-/// Takes a level to where its surfaces are now: in place, and with one more split where new shadows end, none being undone.
+/// Takes a level to where its surfaces are now: in place, and with splits where new shadows end, none being undone.
 /// @param desc, coarse as it was created with, surfaces elsewhere @param level with deviation and valid points
 rsv_status rsv_source_level_follow(const rsv_transport_scene *scene, const rsv_elements *coarse,
     const rsv_source_level_desc *desc, const rsv_level_motion *motion, rsv_source_level *level,

@@ -16,6 +16,8 @@ static void copy(void *to, const void *from, size_t count, size_t size)
     if (count) memcpy(to, from, count * size);
 }
 
+static bool is_same(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
 /// Colours of emission, each of which is looked for among the last few. @param color, index [light_count], out
 static uint32_t list_colors(const rsv_row_track *k, rsv_rgb *color, uint16_t *index)
 {
@@ -23,7 +25,7 @@ static uint32_t list_colors(const rsv_row_track *k, rsv_rgb *color, uint16_t *in
     uint32_t count = 0;
     for (uint32_t i = 0; i < k->light_count; i++) {
         uint32_t at = count > LAST ? count - LAST : 0;
-        while (at < count && memcmp(&color[at], &k->light[i], sizeof *color) != 0)
+        while (at < count && !is_same(color[at], k->light[i]))
             at++;
         if (at == count) color[count++] = k->light[i];
         index[i] = (uint16_t)at;

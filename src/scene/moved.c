@@ -170,7 +170,8 @@ static rsv_status check_alike(const rsv_scene *a, const rsv_scene *b)
     if (a->light_count != b->light_count) return refuse("lights");
     for (size_t k = 0; k < a->light_count; k++)
         if (a->light[k].kind != b->light[k].kind) return refuse("lights");
-    if (memcmp(a->origin, b->origin, sizeof a->origin) != 0) return refuse("coordinates");
+    for (int k = 0; k < 3; k++)
+        if (a->origin[k] != b->origin[k]) return refuse("coordinates");
     return RSV_OK;
 }
 
