@@ -3,9 +3,12 @@
 # of them each (package.cmake).
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
 
-install(TARGETS resolvent resolvent_rt EXPORT resolventTargets
+install(TARGETS resolvent EXPORT resolventTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
+# by itself, so that engines need none of the library's dependencies: find_package(resolvent COMPONENTS rt)
+install(TARGETS resolvent_rt EXPORT resolventRtTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 set(plug_in_of_mpi resolvent_mpi)
 set(plug_in_of_cuda resolvent_cuda)
 foreach(component IN ITEMS mpi cuda)
@@ -21,6 +24,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt.h DESTINATION ${CMAKE_INSTAL
 install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt_file.h ${PROJECT_SOURCE_DIR}/rt/resolvent_rt_file.c
     DESTINATION ${CMAKE_INSTALL_DATADIR}/resolvent/rt COMPONENT development)
 install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder} COMPONENT development)
+install(EXPORT resolventRtTargets NAMESPACE resolvent:: DESTINATION ${package_folder} COMPONENT development)
 if(TARGET resolvent_program)
     set_target_properties(resolvent_program PROPERTIES
         INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR};$ORIGIN/../lib")

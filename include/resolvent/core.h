@@ -92,7 +92,13 @@ RSV_API rsv_status rsv_context_reset_cancel(rsv_context *context);
 /// The calling thread's last error: one line that says what, where and what to do. Never NULL.
 RSV_API const char *rsv_last_error(void);
 
-/// The library's version, "major.minor.patch".
+/// The version of these headers.
+#define RSV_VERSION_MAJOR 0
+#define RSV_VERSION_MINOR 1
+#define RSV_VERSION_PATCH 0
+#define RSV_VERSION_STRING "0.1.0"
+
+/// The library's version, "major.minor.patch": that of the headers it was built from.
 RSV_API const char *rsv_version(void);
 
 #ifdef __cplusplus

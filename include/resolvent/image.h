@@ -32,6 +32,10 @@ RSV_API uint32_t rsv_image_find_layer(const rsv_image *image, const char *name);
 /// Reads .exr (all RGB layers), .hdr, .png, .jpg, .webp; 8-bit formats are decoded from sRGB to linear.
 RSV_API rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image);
 
+/// The same of a picture in memory. @param name for messages, and to tell by its extension what the bytes leave open
+RSV_API rsv_status rsv_image_read_memory(
+    rsv_context *context, const char *name, const void *bytes, size_t count, rsv_image **image);
+
 /// Writes by extension: .exr (32-bit float, all layers), .hdr and .png (layer 0). PNG holds
 /// sRGB(radiance * 2^exposure), clipped. The file appears complete or not at all.
 RSV_API rsv_status rsv_image_write(const rsv_image *image, const char *path, float exposure);

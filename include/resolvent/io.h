@@ -20,6 +20,18 @@ typedef enum rsv_light_units {
     RSV_LIGHT_UNITS_PHOTOMETRIC
 } rsv_light_units;
 
+/// Where a scene's files come from, in place of the file system: an archive, a database, memory. Paths are what the caller
+/// gives as the scene's, and for the buffers, textures and libraries of materials that it names the folder of that and their
+/// own. Called from the thread that loads; may call the library.
+typedef struct rsv_file_source {
+    /// Bytes of a file; -1 = there is none.
+    int64_t (*size)(void *user, const char *path);
+    /// Reads up to `count` bytes of it, from byte `offset` on, never beyond its end.
+    /// @return how many were read; fewer are asked for again, 0 = it cannot be read
+    size_t (*read)(void *user, const char *path, uint64_t offset, void *bytes, size_t count);
+    void *user;
+} rsv_file_source;
+
 /// How to understand what a file leaves open. Start from rsv_default_load_desc().
 typedef struct rsv_load_desc {
     /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
@@ -42,6 +54,8 @@ typedef struct rsv_load_desc {
     /// Which of the materials that a glTF file offers for the same parts (KHR_materials_variants): a name; NULL = those shown
     /// by default. The document is not kept then: it shows others.
     const char *variant;
+    const rsv_file_source
+        *files;     ///< borrowed while the file is read; NULL (default) = the file system
     bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 
@@ -56,6 +70,12 @@ RSV_API rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_sc
 /// The same with choices. @param desc NULL = defaults
 RSV_API rsv_status rsv_scene_load_with(
     rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_scene **scene);
+
+/// The same of a file in memory that needs no others beside it: .glb, .gltf with data within, .ply, .stl, .obj, .fbx, .dae.
+/// @param name stands for the path: its extension says what it is, messages and operator files name it
+/// @param bytes [count]; copied where it is kept
+RSV_API rsv_status rsv_scene_load_memory(rsv_context *context, const char *name, const void *bytes,
+    size_t count, const rsv_load_desc *desc, rsv_scene **scene);
 
 /// Writes a committed scene as binary glTF; what rsv_scene_load reads back is the same scene. The file
 /// appears complete or not at all.

@@ -325,6 +325,13 @@ RSV_API rsv_status rsv_scene_move(
 RSV_API const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene);
 RSV_API rsv_context *rsv_scene_get_context(const rsv_scene *scene);
 
+/// Index of the first object (an instanced mesh) of that name; RSV_NONE if there is none.
+RSV_API uint32_t rsv_scene_find_object(const rsv_scene *scene, const char *name);
+
+/// The triangles of an object in rsv_scene_view: a run of them. Their elements are those whose rsv_element.triangle is one.
+/// @param first out @return how many; 0 if there is no such object
+RSV_API size_t rsv_scene_object_triangles(const rsv_scene *scene, uint32_t object, uint32_t *first);
+
 /// Frees what a scene keeps of the file that it came from (rsv_load_desc.keep_document). Bakes of it write a file of their own
 /// from then on, and operator files hold none.
 RSV_API void rsv_scene_drop_document(rsv_scene *scene);

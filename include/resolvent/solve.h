@@ -60,7 +60,8 @@ typedef struct rsv_solve_desc {
     size_t
         max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
                    ///< elements and fewer rays; 0 = no limit
-    size_t reserved_bytes; ///< of these for what is made of the solution: a picture, a lightmap (default 0)
+    size_t
+        reserved_bytes; ///< of these for what is made of the solution: a picture, a lightmap (default 0)
     /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was, and what a
     /// finished solution knows, for the next one after an edit; for one scene
     /// (rsv_scene_fingerprint) and one version of the library. It must exist; borrowed. NULL (default) = none.
@@ -147,6 +148,19 @@ RSV_API uint32_t rsv_light_order_count(const rsv_light *light);
 /// @param back_side the back of a double-sided surface
 RSV_API rsv_rgb rsv_light_irradiance(
     const rsv_light *light, uint32_t triangle, float u, float v, bool back_side, uint32_t order);
+
+/// A point of a triangle of the scene.
+typedef struct rsv_triangle_point {
+    uint32_t triangle;
+    float u, v;     ///< barycentric weights of the triangle's corners 1 and 2
+    bool back_side; ///< the back of a double-sided surface
+} rsv_triangle_point;
+
+/// The same for many points at once, several times as fast: in parallel, and with less waiting for memory.
+/// RSV_ERROR_ARGUMENT for triangles that the scene does not have and u or v that are not finite.
+/// @param points [count] @param irradiance out, [count] W/m2; 0 where nothing reflects diffusely
+RSV_API rsv_status rsv_light_irradiance_points(const rsv_light *light,
+    const rsv_triangle_point *points, size_t count, uint32_t order, rsv_rgb *irradiance);
 
 /// Times an application of G K beside a bare loop that sums a field over the same indices, one right after the other.
 /// @param ratio out, [repetitions] the bare loop's time over the application's

@@ -2,6 +2,7 @@
 #include "check_internal.h"
 
 #include "../core/vec.h"
+#include "../scene/scene.h"
 #include "../scene/twins.h"
 
 #include <stdarg.h>
@@ -94,7 +95,7 @@ rsv_status rsv_scene_check(const rsv_scene *scene, rsv_finding **findings, size_
     };
     *findings = NULL;
     *count = 0;
-    if (!c.view) return rsv_fail(RSV_ERROR_ARGUMENT, "check: the scene is not committed");
+    RSV_TRY(rsv_scene_require_committed(scene));
     RSV_TRY(check_scale(&c));
     RSV_TRY(check_light(&c));
     RSV_TRY(rsv_check_views(&c));

@@ -140,18 +140,14 @@ RSV_INLINE uint32_t rsv_elements_locate(
     rsv_triangle_place place = rsv_triangle_grid_find(1 << elements->face_level[face], u, v);
     float b0 = place.b0, b1 = place.b1, b2 = place.b2;
     uint32_t slot = elements->slot[elements->face_slot[face] + place.index];
-    while (slot & RSV_SLOT_SPLIT) {
-        uint32_t child = slot & ~RSV_SLOT_SPLIT;
-        if (b0 >= 0.5f) {
-            b0 = 2 * b0 - 1, b1 *= 2, b2 *= 2;
-        } else if (b1 >= 0.5f) {
-            b1 = 2 * b1 - 1, b0 *= 2, b2 *= 2, child += 1;
-        } else if (b2 >= 0.5f) {
-            b2 = 2 * b2 - 1, b0 *= 2, b1 *= 2, child += 2;
-        } else {
-            b0 = 1 - 2 * b0, b1 = 1 - 2 * b1, b2 = 1 - 2 * b2, child += 3;
-        }
-        slot = elements->slot[child];
+    while (slot & RSV_SLOT_SPLIT) { // by arithmetic: no processor predicts which child it is
+        int at_0 = b0 >= 0.5f, at_1 = (b1 >= 0.5f) & !at_0, at_2 = (b2 >= 0.5f) & !at_0 & !at_1;
+        int middle = 1 - at_0 - at_1 - at_2;
+        float scale = (float)(2 - 4 * middle);
+        b0 = scale * b0 + (float)(middle - at_0);
+        b1 = scale * b1 + (float)(middle - at_1);
+        b2 = scale * b2 + (float)(middle - at_2);
+        slot = elements->slot[(slot & ~RSV_SLOT_SPLIT) + (uint32_t)(at_1 + 2 * at_2 + 3 * middle)];
     }
     weight[0] = f_min(f_max(b0, 0), 1);
     weight[1] = f_min(f_max(b1, 0), 1 - weight[0]);

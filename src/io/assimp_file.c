@@ -3,6 +3,7 @@
 #include "assimp_loss.h"
 #include "collada_clean.h"
 #include "fbx_scan.h"
+#include "file_source.h"
 #include "obj_scan.h"
 
 #include <assimp/cfileio.h>
@@ -14,14 +15,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #define MAX_MISSING 8 ///< files a warning names
 #define MAX_LIBRARIES 8
-#define LARGEST_FILE ((off_t)1 << 32)
+#define LARGEST_FILE ((int64_t)1 << 32)
 
 /// The files an import asked for in vain, and those that it got.
 typedef struct file_access {
+    const rsv_file_source *files;
     const char *path; ///< of the file itself
     char missing[MAX_MISSING][512];
     size_t missing_count;
@@ -111,12 +112,11 @@ static void remember_library(file_access *access, const char *path)
 }
 
 /// Devices and pipes, which might never end, and files beyond all measure count as absent.
-static bool open_regular(const char *path, stream *opened)
+static bool open_regular(const rsv_file_source *files, const char *path, stream *opened)
 {
-    struct stat info;
-    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size > LARGEST_FILE)
-        return false;
-    *opened = (stream){ .file = fopen(path, "rb"), .size = (size_t)info.st_size };
+    int64_t size = rsv_file_size(files, path);
+    if (size < 0 || size > LARGEST_FILE) return false;
+    *opened = (stream){ .file = rsv_file_open(files, path), .size = (size_t)size };
     return opened->file != NULL;
 }
 
@@ -159,16 +159,17 @@ static void close_stream(stream *opened)
 
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
 {
+    file_access *access = (file_access *)io->UserData;
     stream *opened = calloc(1, sizeof *opened);
     struct aiFile *file = calloc(1, sizeof *file);
-    if (!file || !opened || !strchr(mode, 'r') || !open_regular(path, opened)) {
+    if (!file || !opened || !strchr(mode, 'r') || !open_regular(access->files, path, opened)) {
         close_stream(opened);
         free(file);
-        remember_missing((file_access *)io->UserData, path);
+        remember_missing(access, path);
         return NULL;
     }
-    clean((file_access *)io->UserData, path, opened);
-    remember_library((file_access *)io->UserData, path);
+    clean(access, path, opened);
+    remember_library(access, path);
     *file = (struct aiFile){ .ReadProc = read_file,
         .WriteProc = refuse_write,
         .TellProc = tell_file,
@@ -273,13 +274,13 @@ static const char *meaning_of(const char *message)
 }
 
 /// Why a file was refused, where, and what to do.
-static rsv_status fail_import(const char *path, rsv_file_kind kind)
+static rsv_status fail_import(const rsv_file_source *files, const char *path, rsv_file_kind kind)
 {
     char message[400], place[32] = "";
     unsigned line;
     snprintf(message, sizeof message, "%s", aiGetErrorString());
     if (kind == RSV_FILE_OBJ) {
-        rsv_status status = rsv_obj_explain(path);
+        rsv_status status = rsv_obj_explain(files, path);
         if (status != RSV_OK) return status;
     }
     const char *at = strstr(message, "line ");
@@ -289,13 +290,13 @@ static rsv_status fail_import(const char *path, rsv_file_kind kind)
         place, meaning_of(message));
 }
 
-rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_kind kind,
-    const struct aiScene **imported, double origin[3])
+rsv_status rsv_assimp_import(rsv_context *context, const rsv_file_source *files, const char *path,
+    rsv_file_kind kind, const struct aiScene **imported, double origin[3])
 {
-    file_access access = { .path = path };
+    file_access access = { .path = path, .files = files };
     rsv_assimp_losses losses = { 0 };
     *imported = import(path, &access, &losses);
-    if (!*imported) return fail_import(path, kind);
+    if (!*imported) return fail_import(files, path, kind);
     memcpy(origin, access.origin, sizeof access.origin);
     rsv_status status = process(*imported);
     if (status != RSV_OK) return status;
@@ -304,24 +305,25 @@ rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_ki
             access.missing[i]);
     if (kind == RSV_FILE_OBJ) {
         losses.colored = 0; // named by the text, with their number
-        rsv_obj_warn_of_unused(context, path, false);
+        rsv_obj_warn_of_unused(context, files, path, false);
         if (access.missing_count == 0)
             rsv_obj_warn_of_unknown(context, path, &access.used, &access.defined);
     }
     free(access.used.text);
     free(access.defined.text);
     for (size_t i = 0; i < access.library_count; i++)
-        rsv_obj_warn_of_unused(context, access.library[i], true);
-    if (kind == RSV_FILE_FBX && rsv_file_mentions(path, "AnimationCurve")) losses.animations = 1;
+        rsv_obj_warn_of_unused(context, files, access.library[i], true);
+    if (kind == RSV_FILE_FBX && rsv_file_mentions(files, path, "AnimationCurve"))
+        losses.animations = 1;
     rsv_assimp_warn_of_losses(context, path, *imported, &losses);
     return RSV_OK;
 }
 
-bool rsv_file_mentions(const char *path, const char *word)
+bool rsv_file_mentions(const rsv_file_source *files, const char *path, const char *word)
 {
     enum { PIECE = 65536 };
     size_t length = strlen(word), kept = 0;
-    FILE *file = fopen(path, "rb");
+    FILE *file = rsv_file_open(files, path);
     char *piece = file ? malloc(PIECE) : NULL;
     bool found = false;
     while (piece && !found) {

@@ -14,11 +14,11 @@
 /// (child_process.h). Materials and other files it refers to must be regular files; those that cannot be read are named in
 /// a warning, and so is what it holds that is not used. Errors say in our words what is wrong.
 /// @param imported to be released by aiReleaseImport @param origin out: what its coordinates are less
-rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_kind kind,
-    const struct aiScene **imported, double origin[3]);
+rsv_status rsv_assimp_import(rsv_context *context, const rsv_file_source *files, const char *path,
+    rsv_file_kind kind, const struct aiScene **imported, double origin[3]);
 
 /// Whether a file has these bytes anywhere.
-bool rsv_file_mentions(const char *path, const char *word);
+bool rsv_file_mentions(const rsv_file_source *files, const char *path, const char *word);
 
 /// Imports a file and sends what it holds as parts of a scene (scene_parts.h).
 rsv_status rsv_assimp_convert(rsv_context *context, const char *path, rsv_file_kind kind,

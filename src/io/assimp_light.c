@@ -50,10 +50,10 @@ rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *read
     bool needed = file->mNumLights + file->mNumCameras > 0;
     if (file->mNumLights && facts->watts && reading->light_units == RSV_LIGHT_UNITS_AUTO)
         rsv_log(context, RSV_LOG_INFO, "lights are in watts, as Blender exports them");
-    if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
+    if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, reading->files, path, &facts->collada);
     if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
-    facts->has_decay = file->mNumLights && rsv_file_mentions(path, "DecayType");
-    facts->has_fov = file->mNumCameras && rsv_file_mentions(path, "FieldOfView");
+    facts->has_decay = file->mNumLights && rsv_file_mentions(reading->files, path, "DecayType");
+    facts->has_fov = file->mNumCameras && rsv_file_mentions(reading->files, path, "FieldOfView");
     return RSV_OK;
 }
 

@@ -18,6 +18,7 @@ typedef struct rsv_assimp_facts {
 
 /// What a file is to be understood by beside what it holds.
 typedef struct rsv_assimp_reading {
+    const rsv_file_source *files;
     const char *path;
     rsv_file_kind kind;
     rsv_light_units light_units;

@@ -460,13 +460,13 @@ rsv_status rsv_assimp_convert(
     rsv_status status;
     double frame[16], root[16], origin[3];
     reader r = { .context = context, .kind = kind, .desc = desc, .to = to };
-    RSV_TRY(rsv_assimp_import(context, path, kind, &r.file, origin));
+    RSV_TRY(rsv_assimp_import(context, desc->files, path, kind, &r.file, origin));
     RSV_TRY(find_frame(&r, frame));
     place_root(&r, frame, origin, root);
     double unit = metres_per_unit(root);
     if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));
-    const rsv_assimp_reading reading = { path, kind, desc->light_units, fabs(unit) };
+    const rsv_assimp_reading reading = { desc->files, path, kind, desc->light_units, fabs(unit) };
     RSV_TRY(rsv_assimp_learn(context, &reading, r.file, &r.facts));
     RSV_TRY(allocate(&r));
     RSV_TRY(add_materials(&r));

@@ -5,13 +5,10 @@
 #include "../scene/smooth_normals.h"
 #include "matrix.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define BARE_ALBEDO 0.8f
-#define LARGEST_FILE ((off_t)1 << 32)
 
 rsv_status rsv_add_bare_material(rsv_scene *scene, uint32_t *material)
 {
@@ -73,24 +70,5 @@ rsv_status rsv_add_bare_mesh(rsv_scene *scene, const rsv_load_desc *desc, const 
 cleanup:
     rsv_free(context, split);
     rsv_smooth_mesh_release(context, &smooth);
-    return status;
-}
-
-rsv_status rsv_read_whole(rsv_context *context, const char *path, char **bytes, size_t *size)
-{
-    rsv_status status = RSV_OK;
-    struct stat info;
-    FILE *file = fopen(path, "rb");
-    if (!file || fstat(fileno(file), &info) != 0)
-        RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
-    if (info.st_size > LARGEST_FILE)
-        RSV_TRY(rsv_fail(RSV_ERROR_UNSUPPORTED, "is larger than 4 GiB; cut it into parts"));
-    *bytes = rsv_reserve(context, (size_t)info.st_size + 1, 1);
-    if (!*bytes) RSV_TRY(RSV_ERROR_MEMORY);
-    *size = fread(*bytes, 1, (size_t)info.st_size, file);
-    (*bytes)[*size] = '\0';
-    if (ferror(file)) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
-cleanup:
-    if (file) fclose(file);
     return status;
 }

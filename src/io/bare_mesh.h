@@ -23,7 +23,4 @@ void rsv_bring_near(const rsv_place *place, size_t count, double origin[3], rsv_
 rsv_status rsv_add_bare_mesh(rsv_scene *scene, const rsv_load_desc *desc, const double origin[3],
     bool in_single, rsv_mesh_desc mesh);
 
-/// The whole of a file, at most 4 GiB, with a zero behind it. @param bytes out: to be released by rsv_free
-rsv_status rsv_read_whole(rsv_context *context, const char *path, char **bytes, size_t *size);
-
 #endif

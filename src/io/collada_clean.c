@@ -1,5 +1,7 @@
 #include "collada_clean.h"
 
+#include "file_source.h"
+
 #include "../core/number_text.h"
 
 #include <math.h>
@@ -173,21 +175,10 @@ static bool edit_tag(const char *tag, edit *e)
     return false;
 }
 
-static char *read_all(FILE *file, size_t *size)
-{
-    long bytes = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-    char *text = bytes > 0 ? malloc((size_t)bytes + 1) : NULL;
-    rewind(file);
-    if (!text) return NULL;
-    *size = fread(text, 1, (size_t)bytes, file);
-    text[*size] = '\0';
-    return text;
-}
-
 char *rsv_collada_clean(FILE *file, size_t *size)
 {
     edit e;
-    char *clean = NULL, *text = read_all(file, size);
+    char *clean = NULL, *text = rsv_stream_read(file, size);
     FILE *to = NULL;
     const char *from = text;
     for (const char *at = text; at && (at = strchr(at, '<')); at++) {

@@ -5,13 +5,13 @@
 #include "../core/number_text.h"
 #include "collada_clean.h"
 #include "collada_elements.h"
+#include "file_source.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /// Nodes that enclose another, at most, whose names are remembered.
 #define DEEPEST 256
@@ -330,24 +330,8 @@ static rsv_status take_tag(scanner *s, const tag *t)
     return RSV_OK;
 }
 
-/// @param bytes out: with a zero behind them, to be released by rsv_free
-static rsv_status read_file(rsv_context *context, const char *path, char **bytes, size_t *size)
-{
-    rsv_status status = RSV_OK;
-    struct stat info;
-    FILE *file = fopen(path, "rb");
-    if (!file || fstat(fileno(file), &info) != 0)
-        RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
-    *bytes = rsv_reserve(context, (size_t)info.st_size + 1, 1);
-    if (!*bytes) RSV_TRY(RSV_ERROR_MEMORY);
-    *size = fread(*bytes, 1, (size_t)info.st_size, file);
-    (*bytes)[*size] = '\0';
-cleanup:
-    if (file) fclose(file);
-    return status;
-}
-
-rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada *collada)
+rsv_status rsv_collada_scan(
+    rsv_context *context, const rsv_file_source *files, const char *path, rsv_collada *collada)
 {
     rsv_status status;
     char *bytes = NULL;
@@ -355,7 +339,7 @@ rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada 
     scanner *s = rsv_alloc(context, 1, sizeof *s);
     *collada = (rsv_collada){ 0 };
     if (!s) return RSV_ERROR_MEMORY;
-    RSV_TRY(read_file(context, path, &bytes, &size));
+    RSV_TRY(rsv_file_read(context, files, path, &bytes, &size));
     *s = (scanner){
         .context = context, .path = path, .at = bytes, .end = bytes + size, .found = collada
     };

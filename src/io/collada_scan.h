@@ -2,7 +2,7 @@
 #ifndef RSV_COLLADA_SCAN_H
 #define RSV_COLLADA_SCAN_H
 
-#include "resolvent/core.h"
+#include "resolvent/io.h"
 
 #include <stddef.h>
 
@@ -56,7 +56,8 @@ typedef struct rsv_collada {
 
 /// Reads a file that Assimp has taken for COLLADA; whatever is not understood is passed over. Warns of references to what
 /// the file does not hold, and of kinds of things in it that are not used.
-rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada *collada);
+rsv_status rsv_collada_scan(
+    rsv_context *context, const rsv_file_source *files, const char *path, rsv_collada *collada);
 void rsv_collada_release(rsv_context *context, rsv_collada *collada);
 
 /// The camera or light that a node refers to, `order`-th of its kind; NULL = not found.

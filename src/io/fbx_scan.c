@@ -1,25 +1,15 @@
 #include "fbx_scan.h"
 
+#include "file_source.h"
+
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /// A property whose type has its own name, and the type that says the same.
 typedef struct odd_property {
     const char *name, *type;
 } odd_property;
-
-static char *read_all(FILE *file, size_t *size)
-{
-    struct stat info;
-    if (fstat(fileno(file), &info) != 0 || info.st_size <= 0) return NULL;
-    char *bytes = malloc((size_t)info.st_size + 1);
-    if (!bytes) return NULL;
-    *size = fread(bytes, 1, (size_t)info.st_size, file);
-    bytes[*size] = '\0';
-    return bytes;
-}
 
 /// A text of a binary file: 'S', its length in four bytes, and its letters.
 static size_t put_text(char *to, const char *text, size_t length)
@@ -76,7 +66,7 @@ char *rsv_fbx_clean(FILE *file, size_t *size)
 {
     static const odd_property odd[] = { { "Visibility", "double" },
         { "Visibility Inheritance", "int" } };
-    char *bytes = read_all(file, size);
+    char *bytes = rsv_stream_read(file, size);
     size_t count = 0;
     for (size_t k = 0; bytes && k < sizeof odd / sizeof *odd; k++)
         count += change_all(bytes, *size, &odd[k]);

@@ -2,12 +2,12 @@
 #ifndef RSV_FILE_BESIDE_H
 #define RSV_FILE_BESIDE_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "resolvent/io.h"
 
 /// Looks for the file that the scene at `scene` calls `name`: as it stands (from the scene's folder, if it is relative), with the slashes of
 /// Windows turned, and by its last part alone in the scene's folder and the ones that textures are usually put in.
 /// @param path out [size] @return whether there is a regular file
-bool rsv_find_beside(const char *scene, const char *name, char *path, size_t size);
+bool rsv_find_beside(
+    const rsv_file_source *files, const char *scene, const char *name, char *path, size_t size);
 
 #endif

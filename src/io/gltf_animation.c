@@ -39,12 +39,12 @@ static rsv_status read_clips(rsv_animation *a)
 static rsv_status open_file(rsv_animation *a, const char *path)
 {
     rsv_file_kind kind;
-    rsv_status status = rsv_find_file_kind(path, &kind);
+    rsv_status status = rsv_find_file_kind(a->desc.files, path, &kind);
     if (status != RSV_OK) return status;
     if (kind != RSV_FILE_GLTF)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "animations are played of glTF files (.gltf, .glb) alone; convert it");
-    return rsv_gltf_open(path, &a->document);
+    return rsv_gltf_open(a->desc.files, path, &a->document);
 }
 
 rsv_status rsv_animation_open(

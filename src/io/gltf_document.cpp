@@ -649,9 +649,11 @@ template <class reader> rsv_status open_document(const rsv_gltf_document **docum
 
 } // namespace
 
-rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+rsv_status rsv_gltf_open(
+    const rsv_file_source *files, const char *path, const rsv_gltf_document **document)
 {
-    return open_document(document, [path](owned_document &owned) { read_file(path, owned); });
+    return open_document(
+        document, [files, path](owned_document &owned) { read_file(files, path, owned); });
 }
 
 rsv_status rsv_gltf_open_archive(

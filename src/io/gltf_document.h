@@ -3,7 +3,7 @@
 #ifndef RSV_GLTF_DOCUMENT_H
 #define RSV_GLTF_DOCUMENT_H
 
-#include "resolvent/scene.h"
+#include "resolvent/io.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -237,7 +237,8 @@ typedef struct rsv_gltf_document {
 /// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below. Bytes beyond a
 /// buffer's byteLength are left out; buffers that say nowhere where they are have no data. Images are read as they are,
 /// not decoded; missing ones have neither bytes nor a buffer view. Error messages do not name the file.
-rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document);
+rsv_status rsv_gltf_open(
+    const rsv_file_source *files, const char *path, const rsv_gltf_document **document);
 /// The same from an archive in memory (gltf_archive.h): no file is read.
 /// @param archive [count]; borrowed until this returns
 rsv_status rsv_gltf_open_archive(

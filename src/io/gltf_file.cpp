@@ -1,5 +1,6 @@
 /// A glTF file in parts: its JSON, and the bytes of its buffers and images, wherever they are. Messages are our own and
 /// hold no data.
+#include "file_source.h"
 #include "gltf_archive.h"
 #include "gltf_json.hpp"
 
@@ -16,8 +17,6 @@ extern "C" {
 #include <map>
 #include <memory>
 
-#include <sys/stat.h>
-
 namespace
 {
 
@@ -30,17 +29,17 @@ constexpr uint32_t chunk_json = 0x4e4f534a, chunk_binary = 0x004e4942;
 // ---- files --------------------------------------------------------------------------------------
 
 /// The first `most` bytes of a file. @param problem out: what is wrong; empty = nothing
-bytes read_bytes(const std::string &path, uint64_t most, std::string &problem)
+bytes read_bytes(
+    const rsv_file_source *files, const std::string &path, uint64_t most, std::string &problem)
 {
-    std::unique_ptr<FILE, int (*)(FILE *)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-    struct stat info;
+    const int64_t there = rsv_file_size(files, path.c_str());
+    std::unique_ptr<FILE, int (*)(FILE *)> file(rsv_file_open(files, path.c_str()), std::fclose);
     bytes data;
-    if (!file)
+    if (!file || there < 0) {
         problem = std::string("cannot be opened: ") + std::strerror(errno);
-    else if (fstat(fileno(file.get()), &info) != 0 || !S_ISREG(info.st_mode))
-        problem = "is not a regular file";
-    if (!problem.empty()) return data;
-    const uint64_t size = std::min(static_cast<uint64_t>(info.st_size), most);
+        return data;
+    }
+    const uint64_t size = std::min(static_cast<uint64_t>(there), most);
     if (size > UINT_MAX) { // the limit of the GLB container, too
         problem = "is larger than 4 GiB; split the scene";
         return data;
@@ -69,11 +68,9 @@ bool stays_below(const std::string &path)
     return true;
 }
 
-bool is_file(const std::string &path)
+bool is_file(const rsv_file_source *files, const std::string &path)
 {
-    struct stat info;
-    return path.find('\0') == std::string::npos && stat(path.c_str(), &info) == 0 &&
-           S_ISREG(info.st_mode);
+    return path.find('\0') == std::string::npos && rsv_file_size(files, path.c_str()) >= 0;
 }
 
 // ---- URIs ---------------------------------------------------------------------------------------
@@ -101,12 +98,13 @@ std::string percent_decoded(const std::string &uri)
 }
 
 /// The file that a URI names: as it is decoded, as it is written, or with the slashes of Windows turned.
-std::string find_file(const std::string &folder, const std::string &uri)
+std::string find_file(
+    const rsv_file_source *files, const std::string &folder, const std::string &uri)
 {
     std::string turned = percent_decoded(uri);
     std::replace(turned.begin(), turned.end(), '\\', '/');
     for (const std::string &name : { percent_decoded(uri), uri, turned })
-        if (stays_below(name) && is_file(folder + name)) return folder + name;
+        if (stays_below(name) && is_file(files, folder + name)) return folder + name;
     return {};
 }
 
@@ -324,6 +322,7 @@ void check_required_extensions(const json &root)
 
 /// What a file was found to hold beside what is looked for.
 struct source {
+    const rsv_file_source *files;
     std::string folder; ///< "" or with a slash at its end
     bytes file;
     chunk binary;
@@ -346,12 +345,12 @@ bytes read_buffer_file(
         kept.resize(std::min(kept.size(), wanted));
         return kept;
     }
-    const std::string path = find_file(from.folder, uri);
+    const std::string path = find_file(from.files, from.folder, uri);
     if (path.empty())
         refuse(RSV_ERROR_IO, owner + ": there is no file '" + shown(uri) +
                                  "'; buffers must lie in the asset's folder or below");
     std::string problem;
-    bytes data = read_bytes(path, wanted, problem);
+    bytes data = read_bytes(from.files, path, wanted, problem);
     if (!problem.empty()) refuse(RSV_ERROR_IO, owner + ": '" + shown(uri) + "' " + problem);
     return data;
 }
@@ -394,8 +393,8 @@ void read_images(owned_document &document, source &from)
         } else if (from.is_archive) {
             data = uri.empty() ? bytes() : from.kept[uri];
         } else if (!uri.empty()) {
-            const std::string path = find_file(from.folder, uri);
-            if (!path.empty()) data = read_bytes(path, UINT64_MAX, problem);
+            const std::string path = find_file(from.files, from.folder, uri);
+            if (!path.empty()) data = read_bytes(from.files, path, UINT64_MAX, problem);
         }
         if (!problem.empty()) data.clear();
         document.image_bytes.push_back(std::move(data));
@@ -430,13 +429,14 @@ std::string shown(const std::string &text)
     return is_data_uri(line) ? "data:..." : line.size() > 200 ? line.substr(0, 200) + "..." : line;
 }
 
-void read_file(const char *path, owned_document &document)
+void read_file(const rsv_file_source *files, const char *path, owned_document &document)
 {
     source from{};
+    from.files = files;
     std::string problem;
     const std::string name = path;
     from.folder = name.substr(0, name.rfind('/') + 1); // npos + 1 = 0
-    from.file = read_bytes(name, UINT64_MAX, problem);
+    from.file = read_bytes(files, name, UINT64_MAX, problem);
     if (!problem.empty())
         refuse(problem.find("4 GiB") != std::string::npos ? RSV_ERROR_UNSUPPORTED : RSV_ERROR_IO,
             problem);

@@ -180,7 +180,7 @@ struct owned_document : rsv_gltf_document {
 };
 
 /// Parses the file, loads buffers and images, and refuses what is no glTF 2.0 or requires what is not supported.
-void read_file(const char *path, owned_document &document);
+void read_file(const rsv_file_source *files, const char *path, owned_document &document);
 
 /// The same from an archive (gltf_archive.h).
 void read_archive(const uint8_t *archive, size_t count, owned_document &document);

@@ -485,7 +485,7 @@ rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene 
 {
     rsv_status status;
     const rsv_gltf_document *document = NULL;
-    RSV_TRY(rsv_gltf_open(path, &document));
+    RSV_TRY(rsv_gltf_open(desc->files, path, &document));
     note_animations(rsv_scene_get_context(scene), document->animation_count);
     RSV_TRY(rsv_gltf_fill(document, desc, false, scene));
     if (desc->keep_document && !desc->variant) RSV_TRY(keep(document, path, scene));

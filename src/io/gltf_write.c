@@ -7,6 +7,7 @@
 #include "../core/vec.h"
 #include "../scene/material_fields.h"
 #include "../scene/punctual.h"
+#include "../scene/scene.h"
 #include "atomic_file.h"
 #include "resolvent/io.h"
 
@@ -575,9 +576,7 @@ rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
     rsv_atomic_file file = { .descriptor = -1 };
     char *json = NULL;
     extent e;
-    if (!w.view->triangle_count)
-        return rsv_fail(
-            RSV_ERROR_ARGUMENT, "%s: the scene must be committed before it is written", path);
+    RSV_TRY(rsv_scene_require_committed(scene));
     say_left_out(&w, path);
     RSV_TRY(rsv_atomic_file_open(&file, path));
     RSV_TRY(prepare(&w, path, &json, &e));

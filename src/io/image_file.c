@@ -1,11 +1,10 @@
+#include "file_source.h"
 #include "image_internal.h"
 #include "texture_image.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 typedef struct image_format {
     const char *extension;
@@ -56,72 +55,56 @@ static rsv_status find_output_format(const char *path, const image_format **form
         RSV_ERROR_ARGUMENT, "cannot write '%s': the name must end in .exr, .hdr or .png", path);
 }
 
-static rsv_status fail_read(const char *path, int error)
-{
-    return rsv_fail(RSV_ERROR_IO, "cannot read '%s': %s", path, strerror(error));
-}
-
-/// @param bytes the whole file; freed by the caller, also after a failure
-static rsv_status read_bytes(rsv_context *context, const char *path, uint8_t **bytes, size_t *size)
-{
-    rsv_status status = RSV_OK;
-    struct stat properties;
-    FILE *stream = fopen(path, "rb");
-    if (!stream) return fail_read(path, errno);
-    if (fstat(fileno(stream), &properties) != 0) {
-        status = fail_read(path, errno);
-        goto cleanup;
-    }
-    if (!S_ISREG(properties.st_mode)) {
-        status = rsv_fail(RSV_ERROR_IO, "cannot read '%s': it is not a regular file", path);
-        goto cleanup;
-    }
-    *bytes = rsv_alloc(context, (size_t)properties.st_size, 1);
-    if (!*bytes) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
-    *size = fread(*bytes, 1, (size_t)properties.st_size, stream);
-    if (ferror(stream)) status = fail_read(path, errno);
-cleanup:
-    fclose(stream);
-    return status;
-}
-
 static rsv_status fail_unknown(const char *path)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
         "cannot read '%s' as an image: the name must end in .exr, .hdr, .png, .jpg or .webp", path);
 }
 
-rsv_status rsv_image_file_read(rsv_context *context, const char *path, rsv_image_file *file)
+static rsv_status fail_read(rsv_status status, const char *path)
 {
-    uint8_t *bytes = NULL;
+    char message[256];
+    snprintf(message, sizeof message, "%s", rsv_last_error());
+    const char *why = strncmp(message, "cannot be read: ", 16) == 0 ? message + 16 : message;
+    return rsv_fail(status, "cannot read '%s': %s", path, why);
+}
+
+rsv_status rsv_image_file_read(
+    rsv_context *context, const rsv_file_source *files, const char *path, rsv_image_file *file)
+{
+    char *bytes = NULL;
     *file = (rsv_image_file){ .path = path };
-    rsv_status status = read_bytes(context, path, &bytes, &file->size);
-    file->bytes = bytes;
-    return status;
+    rsv_status status = rsv_file_read(context, files, path, &bytes, &file->size);
+    file->bytes = (const uint8_t *)bytes;
+    return status == RSV_OK || status == RSV_ERROR_MEMORY ? status : fail_read(status, path);
+}
+
+static rsv_status decode(rsv_context *context, const rsv_image_file *file, rsv_image **image)
+{
+    const image_format *format = format_of_content(file->bytes, file->size);
+    if (!format) format = find_format(file->path);
+    if (!format) return fail_unknown(file->path);
+    if (file->size == 0)
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", file->path);
+    return format->decode(context, file, image);
 }
 
 rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image)
 {
-    rsv_status status = RSV_OK;
-    uint8_t *bytes = NULL;
-    rsv_image_file file = { .path = path };
-    const image_format *format = find_format(path);
-    status = read_bytes(context, path, &bytes, &file.size);
-    if (status != RSV_OK && !format) RSV_TRY(fail_unknown(path));
-    RSV_TRY(status);
-    file.bytes = bytes;
-    const image_format *told = format_of_content(bytes, file.size);
-    if (told) format = told;
-    if (!format) RSV_TRY(fail_unknown(path));
-    if (file.size == 0)
-        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", path));
-    RSV_TRY(format->decode(context, &file, image));
-cleanup:
-    rsv_free(context, bytes);
+    rsv_image_file file;
+    rsv_status status = rsv_image_file_read(context, NULL, path, &file);
+    if (status == RSV_OK) status = decode(context, &file, image);
+    // what cannot be opened and has no picture's name either is most likely a mistake in the name
+    else if (status != RSV_ERROR_MEMORY && !find_format(path))
+        status = fail_unknown(path);
+    rsv_free(context, (void *)(uintptr_t)file.bytes);
     return status;
+}
+
+rsv_status rsv_image_read_memory(
+    rsv_context *context, const char *name, const void *bytes, size_t count, rsv_image **image)
+{
+    return decode(context, &(rsv_image_file){ .path = name, .bytes = bytes, .size = count }, image);
 }
 
 rsv_status rsv_image_write(const rsv_image *image, const char *path, float exposure)

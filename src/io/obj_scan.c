@@ -3,6 +3,7 @@
 #include "../core/core.h"
 #include "../core/number_text.h"
 #include "../scene/far_box.h"
+#include "file_source.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -97,12 +98,13 @@ static bool goes_on(const char *text, size_t length)
     return length && text[length - 1] == '\\';
 }
 
-void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool is_library)
+void rsv_obj_warn_of_unused(
+    const rsv_context *context, const rsv_file_source *files, const char *path, bool is_library)
 {
     unused u = { .count = 0 };
     char *text = NULL, list[400] = "";
     size_t capacity = 0, number = 0;
-    FILE *file = fopen(path, "rb");
+    FILE *file = rsv_file_open(files, path);
     bool continued = false;
     for (ssize_t length; file && (length = getline(&text, &capacity, file)) > 0;) {
         char word[WORD_BYTES];
@@ -129,28 +131,6 @@ void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool i
 }
 
 // ---- what an importer gets to see -------------------------------------------------------------------
-
-/// The whole of a file, with a zero behind it.
-static char *read_text(FILE *file, size_t *size)
-{
-    size_t capacity = 0;
-    char *text = NULL;
-    for (*size = 0;;) {
-        if (capacity - *size < 2) {
-            char *grown = realloc(text, capacity = 2 * capacity + 65536);
-            if (!grown) break;
-            text = grown;
-        }
-        size_t count = fread(text + *size, 1, capacity - *size - 1, file);
-        *size += count;
-        if (count > 0) continue;
-        if (ferror(file)) break;
-        text[*size] = '\0';
-        return text;
-    }
-    free(text);
-    return NULL;
-}
 
 /// Lines that end in one '\n', without blanks before and behind; those that go on in the next are joined with it.
 /// @return the size of what is left
@@ -295,7 +275,7 @@ static void put_statement(FILE *to, char *line, bool is_library, const double or
 
 char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3])
 {
-    char *cleaned = NULL, *text = read_text(file, size);
+    char *cleaned = NULL, *text = rsv_stream_read(file, size);
     FILE *to = text ? open_memstream(&cleaned, size) : NULL;
     if (to) {
         join_lines(text, *size);
@@ -471,10 +451,10 @@ static rsv_status check_file(FILE *file, checker *c, bool is_first)
     return status;
 }
 
-rsv_status rsv_obj_explain(const char *path)
+rsv_status rsv_obj_explain(const rsv_file_source *files, const char *path)
 {
     checker c = { .line = 0 };
-    FILE *file = fopen(path, "rb");
+    FILE *file = rsv_file_open(files, path);
     if (!file) return RSV_OK;
     int first = fgetc(file), second = fgetc(file);
     rsv_status status = (first == 0xff && second == 0xfe) || (first == 0xfe && second == 0xff)

@@ -2,13 +2,14 @@
 #ifndef RSV_OBJ_SCAN_H
 #define RSV_OBJ_SCAN_H
 
-#include "resolvent/core.h"
+#include "resolvent/io.h"
 
 #include <stdio.h>
 
 /// Names, in one warning, the statements of an .obj or .mtl file that have no effect.
 /// @param is_library .mtl
-void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool is_library);
+void rsv_obj_warn_of_unused(
+    const rsv_context *context, const rsv_file_source *files, const char *path, bool is_library);
 
 /// The text of a file as an importer understands it: statements without effect, which some are taken for others, are comments,
 /// lines end in '\n', and there is no byte order mark.
@@ -31,6 +32,6 @@ void rsv_obj_warn_of_unknown(const rsv_context *context, const char *path,
     const rsv_obj_names *used, const rsv_obj_names *defined);
 
 /// The first thing that is wrong with an .obj file, as the error message, with its line. RSV_OK if nothing is found.
-rsv_status rsv_obj_explain(const char *path);
+rsv_status rsv_obj_explain(const rsv_file_source *files, const char *path);
 
 #endif

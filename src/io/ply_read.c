@@ -4,6 +4,7 @@
 #include "../core/vec.h"
 #include "bare_mesh.h"
 #include "ear_clipping.h"
+#include "file_source.h"
 #include "ply_header.h"
 #include "scene_read.h"
 
@@ -296,7 +297,7 @@ rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *
     ply_reader *r = rsv_alloc(rsv_scene_get_context(scene), 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
     r->context = rsv_scene_get_context(scene);
-    RSV_TRY(rsv_read_whole(r->context, path, &r->bytes, &r->size));
+    RSV_TRY(rsv_file_read(r->context, desc->files, path, &r->bytes, &r->size));
     RSV_TRY(rsv_ply_read_header(r->bytes, r->size, &r->header));
     r->at = r->bytes + r->header.bytes;
     r->end = r->bytes + r->size;

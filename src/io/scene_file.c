@@ -1,5 +1,6 @@
 /// Which reader a file goes to.
 #include "../scene/scene.h"
+#include "file_source.h"
 #include "scene_read.h"
 
 #include <errno.h>
@@ -7,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 rsv_load_desc rsv_default_load_desc(void)
 {
@@ -49,16 +49,12 @@ static rsv_file_kind kind_of_content(FILE *file)
     return RSV_FILE_UNKNOWN;
 }
 
-rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind)
+rsv_status rsv_find_file_kind(const rsv_file_source *source, const char *path, rsv_file_kind *kind)
 {
-    struct stat info;
-    FILE *file = NULL;
-    if (stat(path, &info) != 0)
-        return rsv_fail(RSV_ERROR_IO, "cannot be opened: %s", strerror(errno));
-    if (!S_ISREG(info.st_mode))
+    FILE *file = rsv_file_open(source, path);
+    if (!file && (errno == EISDIR || errno == ENOTSUP))
         return rsv_fail(RSV_ERROR_IO, "is a folder, pipe or device, not a regular file");
-    if (!(file = fopen(path, "rb")))
-        return rsv_fail(RSV_ERROR_IO, "cannot be opened: %s", strerror(errno));
+    if (!file) return rsv_fail(RSV_ERROR_IO, "cannot be opened: %s", strerror(errno));
     *kind = kind_of_extension(path);
     if (*kind == RSV_FILE_UNKNOWN) *kind = kind_of_content(file);
     fclose(file);
@@ -79,6 +75,8 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     if ((unsigned)desc->light_units > RSV_LIGHT_UNITS_PHOTOMETRIC)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "units of light %d do not exist", (int)desc->light_units);
+    if (desc->files && (!desc->files->size || !desc->files->read))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "its source of files lacks a callback");
     return RSV_OK;
 }
 
@@ -108,7 +106,7 @@ rsv_status rsv_scene_load_with(
     const rsv_load_desc defaults = rsv_default_load_desc();
     if (!desc) desc = &defaults;
     RSV_TRY(check_desc(desc));
-    RSV_TRY(rsv_find_file_kind(path, &kind));
+    RSV_TRY(rsv_find_file_kind(desc->files, path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
     if (desc->variant && kind != RSV_FILE_GLTF)
@@ -134,4 +132,33 @@ cleanup:
 rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene)
 {
     return rsv_scene_load_with(context, path, NULL, scene);
+}
+
+typedef struct memory_file {
+    const char *name;
+    const uint8_t *bytes;
+    size_t count;
+} memory_file;
+
+static int64_t memory_size(void *user, const char *path)
+{
+    const memory_file *file = user;
+    return strcmp(path, file->name) == 0 ? (int64_t)file->count : -1;
+}
+
+static size_t memory_read(void *user, const char *path, uint64_t offset, void *bytes, size_t count)
+{
+    (void)path;
+    memcpy(bytes, ((const memory_file *)user)->bytes + offset, count);
+    return count;
+}
+
+rsv_status rsv_scene_load_memory(rsv_context *context, const char *name, const void *bytes,
+    size_t count, const rsv_load_desc *desc, rsv_scene **scene)
+{
+    memory_file file = { name, bytes, count };
+    const rsv_file_source source = { memory_size, memory_read, &file };
+    rsv_load_desc with = desc ? *desc : rsv_default_load_desc();
+    with.files = &source;
+    return rsv_scene_load_with(context, name, &with, scene);
 }

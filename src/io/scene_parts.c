@@ -111,6 +111,7 @@ typedef struct arrived_texture {
 typedef struct parcel {
     const uint8_t *bytes;
     size_t left;
+    const rsv_file_source *files;
     const char *path;
     rsv_scene *scene;
     arrived_texture *texture; ///< [texture_count]
@@ -166,11 +167,11 @@ static rsv_status load_texture(parcel *p, const rsv_part_texture *part, arrived_
         .wrap_v = part->wrap_v };
     bool is_beside = !part->bytes;
     *arrived = (arrived_texture){ .id = RSV_NONE, .name = part->name };
-    if (is_beside && !rsv_find_beside(p->path, part->name, path, sizeof path))
+    if (is_beside && !rsv_find_beside(p->files, p->path, part->name, path, sizeof path))
         status =
             rsv_fail(RSV_ERROR_IO, "there is no such file, nor one of its name beside the scene");
     else if (is_beside)
-        status = rsv_image_file_read(context, path, &source.file);
+        status = rsv_image_file_read(context, p->files, path, &source.file);
     source.file.path = part->name;
     if (status == RSV_OK) status = rsv_texture_load(p->scene, &source, &arrived->id);
     if (is_beside) rsv_free(context, (void *)(uintptr_t)source.file.bytes);
@@ -320,9 +321,10 @@ static rsv_status receive_part(parcel *p)
     }
 }
 
-rsv_status rsv_receive_parts(const uint8_t *bytes, size_t count, const char *path, rsv_scene *scene)
+rsv_status rsv_receive_parts(const uint8_t *bytes, size_t count, const rsv_file_source *files,
+    const char *path, rsv_scene *scene)
 {
-    parcel p = { .bytes = bytes, .left = count, .path = path, .scene = scene };
+    parcel p = { .bytes = bytes, .left = count, .files = files, .path = path, .scene = scene };
     rsv_status status = RSV_OK;
     while (status == RSV_OK && p.left > 0)
         status = receive_part(&p);

@@ -3,7 +3,7 @@
 #ifndef RSV_SCENE_PARTS_H
 #define RSV_SCENE_PARTS_H
 
-#include "resolvent/scene.h"
+#include "resolvent/io.h"
 
 #include <stdio.h>
 
@@ -32,8 +32,8 @@ void rsv_send_camera(FILE *to, const rsv_camera *camera);
 
 /// Adds all parts to a scene that has none, and logs what was logged. RSV_ERROR_FORMAT if the bytes are no whole number of
 /// records, or as the scene refuses them. Textures that cannot be read are named in a warning, and left out of their materials.
-/// @param bytes [count], aligned to 4 @param path of the scene's file: textures are looked for beside it
-rsv_status rsv_receive_parts(
-    const uint8_t *bytes, size_t count, const char *path, rsv_scene *scene);
+/// @param bytes [count], aligned to 4 @param path of the scene's file: textures are looked for beside it, in `files`
+rsv_status rsv_receive_parts(const uint8_t *bytes, size_t count, const rsv_file_source *files,
+    const char *path, rsv_scene *scene);
 
 #endif

@@ -17,7 +17,8 @@ typedef enum rsv_file_kind {
 } rsv_file_kind;
 
 /// Pipes and devices are refused: a reader could wait on one for ever.
-rsv_status rsv_find_file_kind(const char *path, rsv_file_kind *kind);
+rsv_status rsv_find_file_kind(
+    const rsv_file_source *source, const char *path, rsv_file_kind *kind);
 
 /// Puts the file's name in front of the error message. @return `status`
 rsv_status rsv_name_file(rsv_status status, const char *path);

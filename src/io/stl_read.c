@@ -4,6 +4,7 @@
 #include "../core/number_text.h"
 #include "../core/vec.h"
 #include "bare_mesh.h"
+#include "file_source.h"
 #include "scene_read.h"
 
 #include <ctype.h>
@@ -345,7 +346,7 @@ rsv_status rsv_stl_read(const char *path, const rsv_load_desc *desc, rsv_scene *
     stl_reader r = {
         .context = rsv_scene_get_context(scene), .scene = scene, .desc = desc, .path = path
     };
-    RSV_TRY(rsv_read_whole(r.context, path, &r.bytes, &r.size));
+    RSV_TRY(rsv_file_read(r.context, desc->files, path, &r.bytes, &r.size));
     if (r.size == 0) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot be read: the file is empty"));
     RSV_TRY(rsv_add_bare_material(scene, &r.material));
     r.in_single = !is_text(&r);

@@ -3,7 +3,7 @@
 #define RSV_TEXTURE_IMAGE_H
 
 #include "image_internal.h"
-#include "resolvent/scene.h"
+#include "resolvent/io.h"
 
 /// What a picture file is to become.
 typedef struct rsv_texture_source {
@@ -20,7 +20,8 @@ typedef struct rsv_texture_source {
 rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id);
 
 /// Reads a whole file. @param file out: its bytes are to be freed by rsv_free, also after a failure
-rsv_status rsv_image_file_read(rsv_context *context, const char *path, rsv_image_file *file);
+rsv_status rsv_image_file_read(
+    rsv_context *context, const rsv_file_source *files, const char *path, rsv_image_file *file);
 
 /// WebP as 8-bit codes: three channels, four where it has alpha. As rsv_image_decode_codes.
 rsv_status rsv_image_decode_webp(const rsv_image_file *file, rsv_image_codes *codes);

@@ -51,7 +51,8 @@ rsv_status rsv_occlusion_create(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_occlusion **occlusion)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    rsv_status status = check_desc(view, desc);
+    rsv_status status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK) status = check_desc(view, desc);
     if (status == RSV_OK) status = rsv_scene_refuse_fog(scene, "ambient occlusion");
     if (status != RSV_OK) return status;
     rsv_context *context = rsv_scene_get_context(scene);

@@ -96,24 +96,34 @@ cleanup:
     return status;
 }
 
-/// Places and normals, for those who read files without us.
+/// Places, normals and triangles, for those who read files without us.
 static rsv_status write_places(
     rsv_tensor_file *file, const rsv_scene_view *scene, const rsv_elements *e)
 {
+    rsv_status status;
     rsv_vec3 *position = rsv_alloc(e->context, e->node_count, sizeof *position);
     rsv_vec3 *normal = rsv_alloc(e->context, e->node_count, sizeof *normal);
-    for (size_t n = 0; position && normal && n < e->node_count; n++) {
+    uint32_t *triangle = rsv_alloc(e->context, e->node_count, sizeof *triangle);
+    for (size_t n = 0; position && normal && triangle && n < e->node_count; n++) {
         rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
         position[n] = point.position;
         normal[n] = point.normal;
+        triangle[n] = e->face_triangle[e->node_face[n]];
     }
-    rsv_status status =
-        rsv_tensor_give(file, "position", RSV_TENSOR_F32, 3, e->node_count, position);
-    if (status != RSV_OK) {
-        rsv_free(e->context, normal);
-        return status;
-    }
-    return rsv_tensor_give(file, "normal", RSV_TENSOR_F32, 3, e->node_count, normal);
+    // given, an array is the file's, whether it takes it or fails
+    status = rsv_tensor_give(file, "position", RSV_TENSOR_F32, 3, e->node_count, position);
+    position = NULL;
+    RSV_TRY(status);
+    status = rsv_tensor_give(file, "normal", RSV_TENSOR_F32, 3, e->node_count, normal);
+    normal = NULL;
+    RSV_TRY(status);
+    status = rsv_tensor_give(file, "triangle", RSV_TENSOR_U32, 1, e->node_count, triangle);
+    triangle = NULL;
+cleanup:
+    rsv_free(e->context, position);
+    rsv_free(e->context, normal);
+    rsv_free(e->context, triangle);
+    return status;
 }
 
 rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,

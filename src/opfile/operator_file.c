@@ -2,6 +2,7 @@
 #include "resolvent/opfile.h"
 
 #include "../core/team.h"
+#include "../scene/scene.h"
 #include "exchange.h"
 #include "program.h"
 #include "sha256.h"
@@ -78,7 +79,9 @@ _Static_assert(RSV_FINGERPRINT_DIGITS == RSV_SHA256_DIGITS, "a fingerprint is a 
 rsv_status rsv_scene_fingerprint(const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1])
 {
     rsv_tensor_file file;
-    rsv_status status = rsv_tensor_file_begin(rsv_scene_get_context(scene), "scene", &file);
+    rsv_status status = rsv_scene_require_committed(scene);
+    if (status != RSV_OK) return status;
+    status = rsv_tensor_file_begin(rsv_scene_get_context(scene), "scene", &file);
     if (status == RSV_OK) status = rsv_write_scene(&file, scene);
     if (status == RSV_OK) rsv_tensor_file_digest(&file, digits);
     rsv_tensor_file_end(&file);

@@ -326,7 +326,8 @@ static void begin(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_r
 rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     const rsv_render_desc *picture, rsv_light **light, rsv_image **image, rsv_picture_plan *plan)
 {
-    rsv_status status = check(scene, desc, picture);
+    rsv_status status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK) status = check(scene, desc, picture);
     if (status != RSV_OK) return status;
     rsv_planner p;
     begin(scene, desc, picture, *light, &p);

@@ -1,5 +1,6 @@
 #include "../core/core.h"
 #include "../scene/material_at.h"
+#include "../scene/scene.h"
 #include "reference_internal.h"
 
 #if defined(_OPENMP)
@@ -44,8 +45,10 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
 {
     rsv_status status = RSV_OK;
     rsv_context *context = rsv_scene_get_context(scene);
-    rsv_path_tracer *tracer = rsv_alloc(context, 1, sizeof *tracer);
-    if (!tracer) return RSV_ERROR_MEMORY;
+    rsv_path_tracer *tracer = NULL;
+    RSV_TRY(rsv_scene_require_committed(scene));
+    tracer = rsv_alloc(context, 1, sizeof *tracer);
+    RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
     tracer->context = context;
     tracer->scene = rsv_scene_get_view(scene);
     RSV_TRY(create_bsdfs(tracer));

@@ -1,4 +1,5 @@
 #include "../core/team.h"
+#include "../scene/scene.h"
 #include "../trace/backs.h"
 #include "../trace/film.h"
 #include "reference_internal.h"
@@ -193,6 +194,7 @@ rsv_status rsv_render_reference(
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     rsv_path_tracer *tracer = NULL;
     picture_job picture = { .desc = desc };
+    RSV_TRY(rsv_scene_require_committed(scene));
     RSV_TRY(check_desc(view, desc));
     uint32_t layers = desc->layers ? 1 + RSV_PATH_ORDERS : 1;
     RSV_TRY(rsv_image_create(context, desc->width, desc->height, layers, &picture.image));

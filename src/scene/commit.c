@@ -156,6 +156,14 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_scene_require_committed(const rsv_scene *scene)
+{
+    if (scene->committed) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT,
+        scene->commit_tried ? "scene: rsv_scene_commit() failed, so it cannot be used"
+                            : "scene: it has not been committed; call rsv_scene_commit() first");
+}
+
 rsv_status rsv_scene_commit(rsv_scene *scene)
 {
     if (scene->commit_tried)

@@ -111,9 +111,8 @@ static void find_box(const rsv_scene *scene, rsv_fog *fog)
 
 rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog)
 {
-    if (!scene->committed)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "fog: the scene must be committed first");
-    rsv_status status = fog ? check_fog(fog) : RSV_OK;
+    rsv_status status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK && fog) status = check_fog(fog);
     if (status != RSV_OK) return status;
     scene->view.fog = NULL;
     if (!fog || rgb_is_black(fog->extinction)) return RSV_OK;

@@ -574,3 +574,22 @@ cleanup:
 const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene) { return &scene->view; }
 
 rsv_context *rsv_scene_get_context(const rsv_scene *scene) { return scene->context; }
+
+uint32_t rsv_scene_find_object(const rsv_scene *scene, const char *name)
+{
+    for (size_t i = 0; i < scene->view.object_count; i++)
+        if (strcmp(scene->view.object_name[i], name) == 0) return (uint32_t)i;
+    return RSV_NONE;
+}
+
+size_t rsv_scene_object_triangles(const rsv_scene *scene, uint32_t object, uint32_t *first)
+{
+    const rsv_scene_view *view = &scene->view;
+    size_t begin = 0, end;
+    while (begin < view->triangle_count && view->triangle_object[begin] != object)
+        begin++;
+    for (end = begin; end < view->triangle_count && view->triangle_object[end] == object;)
+        end++;
+    *first = (uint32_t)begin;
+    return end - begin;
+}

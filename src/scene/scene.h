@@ -112,6 +112,9 @@ static inline bool rsv_scene_is_far(const rsv_scene *scene)
     return scene->origin[0] != 0 || scene->origin[1] != 0 || scene->origin[2] != 0;
 }
 
+/// RSV_ERROR_ARGUMENT for a scene that is not committed yet. Every public function that reads a scene's view asks first.
+rsv_status rsv_scene_require_committed(const rsv_scene *scene);
+
 /// RSV_ERROR_UNSUPPORTED where the scene has fog. @param what will not go on: "a solution"
 rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what);
 

@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 #include "../elements/elements.h"
+#include "../scene/scene.h"
 #include "budget.h"
 #include "budget_fill.h"
 #include "coarse_elements.h"
@@ -385,7 +386,8 @@ rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, r
 
 rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc)
 {
-    rsv_status status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
+    rsv_status status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK) status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 

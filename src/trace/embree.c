@@ -4,6 +4,7 @@
 #include "../core/core.h"
 #include "../core/vec.h"
 #include "../scene/material_at.h"
+#include "../scene/scene.h"
 #include "embree_internal.h"
 #include "hierarchy.h"
 
@@ -94,8 +95,10 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
     rsv_context *context = rsv_scene_get_context(scene);
-    rsv_tracer *tracer = rsv_alloc(context, 1, sizeof *tracer);
-    if (!tracer) return RSV_ERROR_MEMORY;
+    rsv_tracer *tracer = NULL;
+    RSV_TRY(rsv_scene_require_committed(scene));
+    tracer = rsv_alloc(context, 1, sizeof *tracer);
+    RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
     tracer->context = context;
     tracer->scene = scene;
     tracer->blended = rsv_find_blended(rsv_scene_get_view(scene));

@@ -51,10 +51,41 @@ TEXT
 cmake -S "$work/outside" -B "$work/outside/build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$work/outside/build" >/dev/null
 
+# the runtime by itself asks for nothing else
+mkdir "$work/engine-only"
+cp "$work/outside/engine.c" "$work/engine-only"
+cat >"$work/engine-only/CMakeLists.txt" <<'TEXT'
+cmake_minimum_required(VERSION 3.22)
+project(engine LANGUAGES C)
+find_package(resolvent 0.1 REQUIRED COMPONENTS rt)
+if(TARGET resolvent::resolvent OR embree_FOUND)
+    message(FATAL_ERROR "more than the runtime was found")
+endif()
+add_executable(engine engine.c)
+target_link_libraries(engine PRIVATE resolvent::rt)
+TEXT
+cmake -S "$work/engine-only" -B "$work/engine-only/build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+cmake --build "$work/engine-only/build" >/dev/null
+"$work/engine-only/build/engine"
+sed -i 's/COMPONENTS rt/COMPONENTS none/' "$work/engine-only/CMakeLists.txt"
+if cmake -S "$work/engine-only" -B "$work/engine-only/build2" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null 2>&1; then
+    echo "a component that does not exist was found" >&2
+    exit 1
+fi
+
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name resolvent.pc)")
 export PKG_CONFIG_PATH
 [[ $(pkg-config --variable=prefix resolvent) -ef $prefix ]]
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
+
+# samples of embedding, by both compilers, as C17 and as C++17
+for sample in "$source"/samples/embed/*.c; do
+    for compiler in "gcc -std=gnu17" "clang -std=gnu17" "g++ -std=gnu++17 -x c++" "clang++ -std=gnu++17 -x c++"; do
+        command -v "${compiler%% *}" >/dev/null || continue
+        # shellcheck disable=SC2086 # several words each
+        $compiler -Wall -Wextra -Werror -c "$sample" -o "$work/sample.o" $(pkg-config --cflags resolvent)
+    done
+done
 
 # c_block N: the n-th piece of C in the tour of the API
 c_block() { awk -v n="$1" '/^```c$/ { k++; next } /^```$/ { if (k == n) exit } k == n' "$source/docs/api.md"; }

@@ -78,7 +78,7 @@ static int end(void **state)
 static rsv_status receive(parts *p, size_t count, rsv_scene **scene)
 {
     assert_int_equal(rsv_scene_create(p->context, scene), RSV_OK);
-    return rsv_receive_parts((const uint8_t *)p->bytes, count, "parts.obj", *scene);
+    return rsv_receive_parts((const uint8_t *)p->bytes, count, NULL, "parts.obj", *scene);
 }
 
 static void all_parts_arrive(void **state)

@@ -1,0 +1,51 @@
+/// Files of a scene: those of the file system, or what a caller gives in their place (rsv_file_source, NULL = the file system).
+#ifndef RSV_FILE_SOURCE_H
+#define RSV_FILE_SOURCE_H
+
+#include "../core/core.h"
+#include "resolvent/io.h"
+
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Bytes of a file; -1, and errno, if there is none. Folders, pipes and devices are no files.
+int64_t rsv_file_size(const rsv_file_source *source, const char *path);
+
+/// Opens it to be read, and to be closed by fclose. NULL, and errno, if that fails.
+FILE *rsv_file_open(const rsv_file_source *source, const char *path);
+
+/// The whole of a file, at most 4 GiB, with a zero behind it. Messages do not name it.
+/// @param bytes out: to be released by rsv_free, also after a failure
+rsv_status rsv_file_read(rsv_context *context, const rsv_file_source *source, const char *path,
+    char **bytes, size_t *size);
+
+/// The rest of a stream, with a zero behind it. @return to be freed by free; NULL where nothing is left, or no memory
+char *rsv_stream_read(FILE *file, size_t *size);
+
+#define RSV_KNOWN_FILES 16
+
+/// Files that are in memory.
+typedef struct rsv_known_files {
+    struct {
+        char *name, *bytes;
+        size_t size;
+    } file[RSV_KNOWN_FILES];
+    size_t count;
+} rsv_known_files;
+
+/// Keeps a file, if there is one of that name.
+rsv_status rsv_know_file(
+    rsv_context *context, const rsv_file_source *source, const char *name, rsv_known_files *known);
+void rsv_forget_files(rsv_context *context, rsv_known_files *known);
+
+/// A source of what is known.
+rsv_file_source rsv_known_source(rsv_known_files *known);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""The binary interface of the library: every public function, structure and constant, as clang sees it.
+
+usage: interface.py SOURCE_FOLDER          compares it with tests/interface.txt, and fails where something there is gone or different
+       interface.py SOURCE_FOLDER --write  writes that file: after a release, or a change that is meant
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+SKIPPED = 77
+
+
+def clang(source, headers, *options):
+    text = "".join(f'#include "resolvent/{name}"\n' for name in headers)
+    command = ["clang", "-fsyntax-only", "-x", "c", "-std=c17", f"-I{source}/include", *options, "-"]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+
+
+def constants(declaration):
+    """Names and values of an enumeration."""
+    value = -1
+    for constant in declaration.get("inner", []):
+        if constant["kind"] != "EnumConstantDecl":
+            continue
+        value += 1
+        given = next((inner for inner in constant.get("inner", []) if "value" in inner), None)
+        if given:
+            value = int(given["value"])
+        yield constant["name"], value
+
+
+def declarations(source, headers):
+    tree = json.loads(clang(source, headers, "-Xclang", "-ast-dump=json"))
+    for declaration in tree["inner"]:
+        name = declaration.get("name", "")
+        if declaration["kind"] == "FunctionDecl" and name.startswith("rsv_"):
+            yield f"function {name}: {declaration['type']['qualType']}"
+        if declaration["kind"] == "EnumDecl":
+            for constant, value in constants(declaration):
+                if constant.startswith("RSV_"):
+                    yield f"constant {constant}: {value}"
+
+
+def layouts(source, headers):
+    """A line for each public structure: offset, type and name of its members, then its size."""
+    dump = clang(source, headers, "-Xclang", "-fdump-record-layouts-complete")
+    for block in dump.split("*** Dumping AST Record Layout")[1:]:
+        lines = [line for line in block.splitlines() if "|" in line]
+        head = re.match(r"\s*0 \| struct (rsv_\w+)$", lines[0])
+        if not head:
+            continue
+        members, size = [], ""
+        for line in lines[1:]:
+            offset, text = line.split("|", 1)
+            if offset.strip() and text.startswith("   ") and not text.startswith("     "):
+                members.append(f"{offset.strip()} {text.strip()}")
+            elif "sizeof" in text:
+                size = re.search(r"sizeof=(\d+)", text).group(1)
+        yield f"struct {head.group(1)}: {'; '.join(members)}; size {size}"
+
+
+def interface(source):
+    headers = sorted(path.name for path in (source / "include" / "resolvent").glob("*.h"))
+    return sorted(set(declarations(source, headers)) | set(layouts(source, headers)))
+
+
+def by_name(lines):
+    return dict(line.split(": ", 1) for line in lines)
+
+
+def compare(before, now):
+    broken = False
+    for name, meaning in before.items():
+        if now.get(name) == meaning:
+            continue
+        broken = True
+        print(f"{name} is gone" if name not in now else f"{name} was\n    {meaning}\nand is\n    {now[name]}")
+    if broken:
+        print("Programs that were compiled before will not work. If that is meant, run `./dev interface`, and say in "
+              "CHANGELOG.md how to migrate.")
+    return broken
+
+
+def main():
+    source = pathlib.Path(sys.argv[1])
+    record = source / "tests" / "interface.txt"
+    try:
+        now = interface(source)
+    except FileNotFoundError:
+        print("skipped: clang is not installed")
+        return SKIPPED
+    if sys.argv[2:] == ["--write"]:
+        record.write_text("\n".join(now) + "\n")
+        return 0
+    return int(compare(by_name(record.read_text().splitlines()), by_name(now)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
