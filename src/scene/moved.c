@@ -104,8 +104,7 @@ rsv_status rsv_scene_move(
     rsv_status status;
     rsv_scene *moved = NULL;
     uint8_t *vertex = NULL;
-    if (!scene->committed)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: commit it before its objects are moved");
+    RSV_TRY(rsv_scene_require_committed(scene));
     vertex = rsv_alloc(scene->context, scene->vertex_count, 1);
     RSV_TRY(vertex ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_scene_vary(scene, &moved));

@@ -352,6 +352,7 @@ rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_r
     motion m = { .s = s, .begins = !s->following };
     double start = rsv_seconds();
     rsv_status status;
+    RSV_TRY(rsv_scene_require_committed(version));
     RSV_TRY(check(s));
     RSV_TRY(rsv_scene_find_moved(s->world->scene.scene, version, &m.difference));
     bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
