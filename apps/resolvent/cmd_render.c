@@ -469,7 +469,10 @@ static rsv_status render(const settings *s, const rsv_render_desc *desc, const c
 typedef struct reel {
     cli_session *session;
     const settings *s;
-    rsv_update_store *store; ///< what the last frame's light knew
+    rsv_light *light;        ///< follows from frame to frame; NULL = none does
+    rsv_scene *base;         ///< whose light it was at first
+    bool cannot_follow;      ///< frames have other surfaces, or want what following light lacks
+    rsv_update_store *store; ///< what the last frame's light knew, where none follows
     rsv_solve_report sum;    ///< the last one's, with times and rays of all
     rsv_update_report kept;  ///< of all
     cli_stats stats;
@@ -489,6 +492,8 @@ static void add_reports(reel *r, const rsv_solve_report *report, const rsv_updat
     r->sum.time_solve += before.time_solve;
     r->kept.rows += kept->rows;
     r->kept.kept_rows += kept->kept_rows;
+    r->kept.row_rays += kept->row_rays;
+    r->kept.kept_row_rays += kept->kept_row_rays;
     r->kept.seconds += kept->seconds;
 }
 
@@ -503,6 +508,61 @@ static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *p
     return status;
 }
 
+/// The light that goes on from frame to frame.
+static rsv_status follow(reel *r, cli_subject *subject, const rsv_render_desc *picture)
+{
+    rsv_update_report kept = { 0 };
+    rsv_solve_desc desc = describe_solve(r->s, subject->scene, picture);
+    rsv_status status;
+    if (!r->light) {
+        status = rsv_light_create(subject->scene, &desc, &r->light);
+        if (status == RSV_OK) r->base = subject->scene;
+    } else {
+        status = rsv_light_follow(r->light, subject->scene, &kept);
+        // once more, as if it rested: shadows are divided as a solve divides them
+        if (status == RSV_OK && r->s->mode == RSV_RENDER_OPERATOR)
+            status = rsv_light_follow(r->light, subject->scene, NULL);
+    }
+    if (status != RSV_OK) return status;
+    r->kept.rows += kept.rows;
+    r->kept.kept_rows += kept.kept_rows;
+    r->kept.row_rays += kept.row_rays;
+    r->kept.kept_row_rays += kept.kept_row_rays;
+    r->kept.seconds += kept.seconds;
+    r->sum = *rsv_light_report(r->light);
+    r->sum.time_assemble += r->kept.seconds;
+    subject->solution = r->light;
+    return RSV_OK;
+}
+
+static void stop_following(reel *r)
+{
+    rsv_light_destroy(r->light);
+    rsv_scene_destroy(r->base);
+    r->light = NULL;
+    r->base = NULL;
+}
+
+/// The light of a frame.
+static rsv_status find_light(reel *r, cli_subject *subject, const rsv_render_desc *picture)
+{
+    if (!r->cannot_follow) {
+        rsv_status status = follow(r, subject, picture);
+        if (status != RSV_ERROR_UNSUPPORTED || !r->light) return status;
+        stop_following(r);
+        r->cannot_follow = true;
+    }
+    return update(r, subject, picture);
+}
+
+/// Frees what is of this frame alone.
+static void close_frame(const reel *r, cli_subject *subject)
+{
+    if (subject->solution == r->light) subject->solution = NULL;
+    if (subject->scene == r->base) subject->scene = NULL;
+    cli_close_subject(subject);
+}
+
 static bool run_frame(reel *r, uint32_t frame)
 {
     cli_subject subject = { 0 };
@@ -513,7 +573,9 @@ static bool run_frame(reel *r, uint32_t frame)
     r->session->moment.time = cli_frame_time(&s->sequence, frame);
     subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
     bool good = subject.scene && describe_picture(s, subject.scene, &desc);
-    rsv_status status = good && is_solved(s) ? update(r, &subject, &desc) : RSV_OK;
+    rsv_status status = good && is_solved(s) ? find_light(r, &subject, &desc) : RSV_OK;
+    if (good && r->light) // its cameras are those of the first frame
+        desc.viewpoint = &rsv_scene_get_view(subject.scene)->camera[desc.camera];
     if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
     if (good && status == RSV_OK && frame == s->sequence.first)
         r->exposure = choose_exposure(r->session, s, image);
@@ -526,7 +588,7 @@ static bool run_frame(reel *r, uint32_t frame)
     r->stats.samples = good ? desc.samples : 0;
     r->stats.order_count = subject.solution ? rsv_light_order_count(subject.solution) : 0;
     rsv_image_destroy(image);
-    cli_close_subject(&subject);
+    close_frame(r, &subject);
     return good && status == RSV_OK;
 }
 
@@ -541,6 +603,9 @@ static bool write_reel_stats(reel *r)
     cJSON_AddNumberToObject(r->stats.more, "frames", s->sequence.last - s->sequence.first + 1);
     cJSON_AddNumberToObject(r->stats.more, "rows_of_all_frames", (double)r->kept.rows);
     cJSON_AddNumberToObject(r->stats.more, "kept_rows_of_all_frames", (double)r->kept.kept_rows);
+    cJSON_AddNumberToObject(r->stats.more, "row_rays_of_all_frames", (double)r->kept.row_rays);
+    cJSON_AddNumberToObject(
+        r->stats.more, "kept_row_rays_of_all_frames", (double)r->kept.kept_row_rays);
     cJSON_AddNumberToObject(r->stats.more, "update_seconds", r->kept.seconds);
     r->stats.report = is_solved(s) ? &r->sum : NULL;
     if (cli_writes_png(&s->outputs)) r->stats.exposure = &r->exposure;
@@ -549,7 +614,7 @@ static bool write_reel_stats(reel *r)
 
 static int run_sequence(cli_session *session, const settings *s)
 {
-    reel r = { .session = session, .s = s };
+    reel r = { .session = session, .s = s, .cannot_follow = s->goal || s->layers };
     uint32_t first = s->sequence.first, last = s->sequence.last;
     rsv_status status = rsv_update_store_create(session->context, &r.store);
     bool good = status == RSV_OK;
@@ -562,6 +627,7 @@ static int run_sequence(cli_session *session, const settings *s)
         good = run_frame(&r, frame);
     }
     rsv_update_store_destroy(r.store);
+    stop_following(&r);
     return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;
 }
 

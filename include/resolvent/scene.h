@@ -361,6 +361,18 @@ RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 /// one named "framing" that shows all of it.
 RSV_API rsv_status rsv_scene_commit(rsv_scene *scene);
 
+/// Where an object of a committed scene is to be.
+typedef struct rsv_motion {
+    uint32_t object;  ///< index into rsv_scene_view.object_name
+    float matrix[16]; ///< column-major: takes its coordinates in the scene to those that are wanted
+} rsv_motion;
+
+/// The same scene with some objects moved, turned or scaled. It shares all else with `scene`, which must outlive it.
+/// RSV_ERROR_ARGUMENT for an object that does not exist, and for matrices that are not finite, mirror, or scale to nothing.
+/// @param motion [count] each object at most once: further motions of it are left out
+RSV_API rsv_status rsv_scene_move(
+    const rsv_scene *scene, const rsv_motion *motion, size_t count, rsv_scene **moved);
+
 RSV_API const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene);
 RSV_API rsv_context *rsv_scene_get_context(const rsv_scene *scene);
 

@@ -59,6 +59,24 @@ typedef struct rsv_update_report {
 RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_desc *desc,
     rsv_update_store *store, rsv_light **light, rsv_update_report *report);
 
+/// Takes a light to another version of its scene in which surfaces are elsewhere or have other shapes, and punctual lights
+/// shine from elsewhere: a later frame of an animation, or the scene after something was dragged. In place, and at a small part
+/// of the cost of an update: elements keep their numbers, and only what moved, rays that its old or new place touches, and
+/// light that it may have hidden or let through are found again. Coarse elements are not divided anew where things touch; for
+/// a solution that is, once all is at rest, solve or update the scene.
+///
+/// The first time, rows are traced as a whole, so that their rays are known from then on: 7 bytes each and more. Orders are
+/// not kept apart any more (rsv_light_order_count is 0), and parts of single lights (relight.h) are forgotten. Renderers of
+/// the light show it after that; whoever holds its operator keeps what that was.
+///
+/// RSV_ERROR_UNSUPPORTED, and the light as it was, where `scene` has other triangles, materials or lights, where light follows
+/// what scatters below its surface and changes its shape, and in teams of several processes. After any other failure the light
+/// can only be destroyed.
+/// @param scene of the same context; may be destroyed after the call
+/// @param report NULL is allowed
+RSV_API rsv_status rsv_light_follow(
+    rsv_light *light, const rsv_scene *scene, rsv_update_report *report);
+
 #ifdef __cplusplus
 }
 #endif

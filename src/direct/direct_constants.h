@@ -50,4 +50,10 @@
 /// Rays from a point light that is as near to a voxel as that is large.
 #define NEAR_LIGHT_SAMPLES 256
 
+// ---- Levels that follow what moves (source_follow.c) -------------------------------------------------
+
+/// Part of a level's cells that must ask to be split before it is: all of it is numbered anew then. Measured: a bucket moved
+/// by 6 cm in a classroom asks for 0.0005 of 376,000 cells; numbering them takes 0.3 s, all else of the level 0.3 s.
+#define SPLIT_SHARE 0.001f
+
 #endif

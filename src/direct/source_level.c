@@ -1,4 +1,4 @@
-#include "source_level.h"
+#include "source_level_internal.h"
 
 #include "../elements/burial.h"
 #include "../elements/contact.h"
@@ -11,37 +11,8 @@
 
 #include <string.h>
 
-typedef struct level_builder {
-    const rsv_transport_scene *scene;
-    const rsv_lights *lights;
-    const rsv_elements *coarse;
-    const rsv_source_level_desc *desc;
-    rsv_elements *elements;
-    rsv_rgb *direct;
-    float *deviation; ///< of direct
-    uint16_t *valid_points;
-    uint8_t *known;              ///< [node_count] 1 where valid_points are known already
-    uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
-    rsv_photon_shooter *shooter; ///< of photons; NULL = none are wanted
-    rsv_photon_map map[2];       ///< on `elements` and on `coarse`
-    rsv_rgb *caustic;
-    uint8_t *split;       ///< [cell_count]
-    rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
-    bool complete;        ///< there will be no more splits
-    size_t kept_count;    ///< nodes in the end of which it is
-    uint64_t *rays;
-} level_builder;
-
-/// What was known on the elements before a split.
-typedef struct earlier_level {
-    rsv_elements *elements;
-    rsv_rgb *direct;
-    float *deviation;
-    uint16_t *valid_points;
-} earlier_level;
-
 /// Takes over what is known of nodes whose surroundings did not change.
-static void carry_over(level_builder *b, const earlier_level *earlier)
+static void carry_over(rsv_level_builder *b, const rsv_earlier_level *earlier)
 {
     const rsv_elements *e = b->elements;
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
@@ -59,7 +30,7 @@ static void carry_over(level_builder *b, const earlier_level *earlier)
     }
 }
 
-static rsv_status allocate_fields(level_builder *b)
+static rsv_status allocate_fields(rsv_level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     size_t nodes = b->elements->node_count;
@@ -75,7 +46,7 @@ static rsv_status allocate_fields(level_builder *b)
 
 /// Elements ready to receive: walls kept apart, buried corners bridged.
 /// @param earlier NULL = nothing is known yet
-static rsv_status prepare_elements(level_builder *b, const earlier_level *earlier)
+rsv_status rsv_level_prepare(rsv_level_builder *b, const rsv_earlier_level *earlier)
 {
     rsv_elements *e = b->elements;
     rsv_status status;
@@ -97,7 +68,7 @@ cleanup:
 
 /// Estimates direct light at the nodes that `known` does not cover. (How many samples a node gets must not
 /// depend on its own samples: stopping early where all of them see the light would be biased.)
-static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
+rsv_status rsv_level_estimate(rsv_level_builder *b, uint32_t samples, const uint8_t *known)
 {
     const rsv_direct_job job = { .scene = b->scene,
         .elements = b->elements,
@@ -113,7 +84,7 @@ static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint
 
 /// Whether the shadow rays from each corner of the cell that a fresh node lies in all met the same: no shadow ends
 /// there.
-static bool is_unbroken(const rsv_elements *e, uint32_t node, const earlier_level *earlier)
+static bool is_unbroken(const rsv_elements *e, uint32_t node, const rsv_earlier_level *earlier)
 {
     uint32_t face;
     float u, v, weight[3];
@@ -126,7 +97,7 @@ static bool is_unbroken(const rsv_elements *e, uint32_t node, const earlier_leve
 }
 
 /// Estimates direct light at fresh nodes, with more samples where shadows may end.
-static rsv_status estimate_fresh(level_builder *b, const earlier_level *earlier)
+rsv_status rsv_level_estimate_fresh(rsv_level_builder *b, const rsv_earlier_level *earlier)
 {
     const rsv_elements *e = b->elements;
     uint32_t samples = b->desc->light_samples;
@@ -136,16 +107,16 @@ static rsv_status estimate_fresh(level_builder *b, const earlier_level *earlier)
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (size_t n = 0; n < e->node_count; n++)
         skip[n] = b->lit[n] || !is_unbroken(e, (uint32_t)n, earlier);
-    RSV_TRY(estimate_direct(b, samples, skip));
+    RSV_TRY(rsv_level_estimate(b, samples, skip));
     for (size_t n = 0; n < e->node_count; n++)
         skip[n] = b->lit[n] || !skip[n];
-    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * samples, skip));
+    RSV_TRY(rsv_level_estimate(b, RSV_PENUMBRA_FACTOR * samples, skip));
 cleanup:
     rsv_free(e->context, skip);
     return status;
 }
 
-static void free_photons(level_builder *b)
+void rsv_level_free_photons(rsv_level_builder *b)
 {
     rsv_photon_map_destroy(&b->map[0]);
     rsv_photon_map_destroy(&b->map[1]);
@@ -153,9 +124,9 @@ static void free_photons(level_builder *b)
     b->caustic = NULL;
 }
 
-static rsv_status shoot(level_builder *b, uint32_t count)
+rsv_status rsv_level_shoot(rsv_level_builder *b, uint32_t count)
 {
-    free_photons(b);
+    rsv_level_free_photons(b);
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
@@ -165,7 +136,7 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     return status;
 }
 
-static bool caught_enough(const level_builder *b, uint32_t cell)
+static bool caught_enough(const rsv_level_builder *b, uint32_t cell)
 {
     const uint32_t *node = b->elements->cell_node[cell];
     for (int k = 0; k < 3; k++)
@@ -175,14 +146,14 @@ static bool caught_enough(const level_builder *b, uint32_t cell)
 
 static void mark_direct(void *user, uint32_t cell, uint32_t other, float bend)
 {
-    level_builder *b = user;
+    rsv_level_builder *b = user;
     (void)bend;
     b->split[cell] = b->split[other] = 1;
 }
 
 static void mark_caustic(void *user, uint32_t cell, uint32_t other, float bend)
 {
-    level_builder *b = user;
+    rsv_level_builder *b = user;
     (void)bend;
     b->split[cell] |= caught_enough(b, cell);
     b->split[other] |= caught_enough(b, other);
@@ -195,7 +166,7 @@ static float cell_size(const rsv_elements *e, size_t cell)
 
 /// Whether a cell has the size that splitting a cell of the coarse spacing at every level leads to: meshes that are
 /// finer from the start need no more.
-static bool is_finest(const level_builder *b, size_t cell)
+static bool is_finest(const rsv_level_builder *b, size_t cell)
 {
     uint32_t levels = b->desc->levels + (b->caustic ? CAUSTIC_LEVELS : 0);
     return cell_size(b->elements, cell) * (float)(4u << levels) <= b->elements->spacing;
@@ -211,7 +182,7 @@ static uint32_t rounds_in_the_open(const rsv_elements *e)
 }
 
 /// Whether direct light may split a cell in this round: after the last common one, those still larger than the others.
-static bool is_in_turn(const level_builder *b, size_t cell, uint32_t round)
+static bool is_in_turn(const rsv_level_builder *b, size_t cell, uint32_t round)
 {
     const rsv_elements *e = b->elements;
     return round < b->desc->levels ||
@@ -219,7 +190,7 @@ static bool is_in_turn(const level_builder *b, size_t cell, uint32_t round)
 }
 
 /// Whether a cell lies in one that is not worth splitting, or whose splits are known.
-static bool is_left_alone(const level_builder *b, uint32_t cell)
+static bool is_left_alone(const rsv_level_builder *b, uint32_t cell)
 {
     const uint8_t *hidden = b->desc->hidden;
     const rsv_cell *c = &b->elements->cell[cell];
@@ -228,7 +199,7 @@ static bool is_left_alone(const level_builder *b, uint32_t cell)
 }
 
 /// Whether a cell of a level that goes on has been split as often as a level that begins would split it.
-static bool is_split_enough(const level_builder *b, size_t cell)
+static bool is_split_enough(const rsv_level_builder *b, size_t cell)
 {
     const rsv_cell *c = &b->elements->cell[cell];
     if (!b->desc->start) return false;
@@ -238,8 +209,14 @@ static bool is_split_enough(const level_builder *b, size_t cell)
     return depth > 0 && !is_in_turn(b, cell, depth - 1);
 }
 
+bool rsv_level_may_split(const rsv_level_builder *b, uint32_t cell)
+{
+    return b->elements->cell[cell].level < RSV_MAX_LEVEL && !is_finest(b, cell) &&
+           !is_split_enough(b, cell);
+}
+
 /// Marks the cells on both sides of every edge across which light bends; counts them.
-static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
+rsv_status rsv_level_mark_cells(rsv_level_builder *b, uint32_t round, size_t *marked)
 {
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
@@ -255,8 +232,7 @@ static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
-        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) || is_split_enough(b, c) ||
-            (b->direct && !is_in_turn(b, c, round)) ||
+        if (!rsv_level_may_split(b, (uint32_t)c) || (b->direct && !is_in_turn(b, c, round)) ||
             (b->split[c] && is_left_alone(b, (uint32_t)c)))
             b->split[c] = 0;
         *marked += b->split[c];
@@ -266,9 +242,9 @@ cleanup:
 }
 
 /// Takes the fields away from the builder, which starts anew.
-static earlier_level set_aside(level_builder *b)
+rsv_earlier_level rsv_level_set_aside(rsv_level_builder *b)
 {
-    earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
+    rsv_earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
     rsv_free(b->coarse->context, b->known);
     rsv_free(b->coarse->context, b->lit);
     b->elements = NULL;
@@ -279,7 +255,7 @@ static earlier_level set_aside(level_builder *b)
     return earlier;
 }
 
-static void free_earlier(level_builder *b, earlier_level *earlier)
+void rsv_level_free_earlier(rsv_level_builder *b, rsv_earlier_level *earlier)
 {
     rsv_context *context = b->coarse->context;
     rsv_free(context, earlier->direct);
@@ -289,43 +265,43 @@ static void free_earlier(level_builder *b, earlier_level *earlier)
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
-static rsv_status split_once(level_builder *b)
+static rsv_status split_once(rsv_level_builder *b)
 {
     rsv_status status;
-    earlier_level earlier = set_aside(b);
+    rsv_earlier_level earlier = rsv_level_set_aside(b);
     RSV_TRY(rsv_elements_refine(earlier.elements, b->split, &b->elements));
-    RSV_TRY(prepare_elements(b, &earlier));
-    if (b->desc->direct) RSV_TRY(estimate_fresh(b, &earlier));
+    RSV_TRY(rsv_level_prepare(b, &earlier));
+    if (b->desc->direct) RSV_TRY(rsv_level_estimate_fresh(b, &earlier));
 cleanup:
-    free_earlier(b, &earlier);
+    rsv_level_free_earlier(b, &earlier);
     return status;
 }
 
 /// Adds the splits from before the scene was edited, and the light there: those of the rest have been found again.
-static rsv_status add_kept(level_builder *b)
+static rsv_status add_kept(rsv_level_builder *b)
 {
     rsv_status status;
-    earlier_level earlier = set_aside(b);
+    rsv_earlier_level earlier = rsv_level_set_aside(b);
     b->complete = true;
     RSV_TRY(rsv_kept_light_splits(b->kept, b->desc->max_cells, earlier.elements, &b->elements));
-    RSV_TRY(prepare_elements(b, &earlier));
+    RSV_TRY(rsv_level_prepare(b, &earlier));
     // nodes where both meet; shadows may end there
-    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));
+    RSV_TRY(rsv_level_estimate(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));
 cleanup:
-    free_earlier(b, &earlier);
+    rsv_level_free_earlier(b, &earlier);
     return status;
 }
 
 /// Cells at most: in the rounds that only cells in the open need, no more than closed scenes have where light bends
 /// everywhere.
-static size_t most_cells(const level_builder *b, uint32_t round)
+static size_t most_cells(const rsv_level_builder *b, uint32_t round)
 {
     bool common = round < b->desc->levels || b->desc->photon_count > 0;
     size_t all_split = b->coarse->cell_count << (2 * (b->desc->levels + 1));
     return common || b->desc->max_cells < all_split ? b->desc->max_cells : all_split;
 }
 
-static rsv_status refine(level_builder *b)
+static rsv_status refine(rsv_level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status = RSV_OK;
@@ -333,32 +309,33 @@ static rsv_status refine(level_builder *b)
                       (b->desc->photon_count ? CAUSTIC_LEVELS : rounds_in_the_open(b->elements));
     for (uint32_t round = 0; round < rounds; round++) {
         rsv_progress_part(context, "level", round + 1);
-        if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
+        if (b->desc->photon_count) RSV_TRY(rsv_level_shoot(b, b->desc->photon_count / 8));
         rsv_free(context, b->split);
         b->split = rsv_alloc(context, b->elements->cell_count, 1);
         RSV_TRY(b->split ? RSV_OK : RSV_ERROR_MEMORY);
         size_t marked;
-        RSV_TRY(mark_cells(b, round, &marked));
+        RSV_TRY(rsv_level_mark_cells(b, round, &marked));
         if (marked == 0 || b->elements->cell_count + 3 * marked > most_cells(b, round)) break;
         RSV_TRY(split_once(b));
     }
     rsv_progress_part(context, NULL, 0);
-    if (b->desc->photon_count && !b->desc->start) RSV_TRY(shoot(b, b->desc->photon_count));
-    if (b->desc->start) free_photons(b); // they are of the elements before the last split
+    if (b->desc->photon_count && !b->desc->start)
+        RSV_TRY(rsv_level_shoot(b, b->desc->photon_count));
+    if (b->desc->start) rsv_level_free_photons(b); // they are of the elements before the last split
 cleanup:
     rsv_progress_part(context, NULL, 0);
     return status;
 }
 
 /// Whether a cell of the coarse elements may be split before shadows are looked for.
-static bool may_begin_finer(const level_builder *b, size_t cell)
+static bool may_begin_finer(const rsv_level_builder *b, size_t cell)
 {
     const uint8_t *hidden = b->desc->hidden;
     return cell_size(b->coarse, cell) > 0.25f * b->coarse->spacing && !(hidden && hidden[cell]) &&
            (!b->kept || b->kept->changed[cell]);
 }
 
-static bool is_lit(const level_builder *b, size_t cell)
+static bool is_lit(const rsv_level_builder *b, size_t cell)
 {
     const uint32_t *node = b->elements->cell_node[cell];
     return !(rgb_is_black(b->direct[node[0]]) && rgb_is_black(b->direct[node[1]]) &&
@@ -367,21 +344,22 @@ static bool is_lit(const level_builder *b, size_t cell)
 
 /// Elements to begin with, split once for direct light but for what is kept in the end. For a goal, which has the
 /// fewest elements that do, those alone that a first look finds lit.
-static rsv_status begin(level_builder *b)
+static rsv_status begin(rsv_level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
     const rsv_history *history = rsv_history_of(b->scene);
+    const rsv_level_before *before = rsv_level_before_of(b->scene);
     bool looks_first = b->desc->direct && b->desc->hidden;
     rsv_status status;
-    if (history && b->desc->direct && !b->desc->hidden)
-        RSV_TRY(rsv_kept_light_create(history, coarse, &b->kept));
+    if ((history || before) && b->desc->direct && !b->desc->hidden)
+        RSV_TRY(rsv_kept_light_create(history, before, coarse, &b->kept));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
     for (size_t c = 0; b->desc->direct && !looks_first && c < coarse->cell_count; c++)
         b->split[c] = may_begin_finer(b, c);
     RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
-    RSV_TRY(prepare_elements(b, NULL));
-    if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+    RSV_TRY(rsv_level_prepare(b, NULL));
+    if (b->desc->direct) RSV_TRY(rsv_level_estimate(b, b->desc->light_samples, b->lit));
     if (!looks_first) goto cleanup;
     for (size_t c = 0; c < coarse->cell_count; c++)
         b->split[c] = may_begin_finer(b, c) && is_lit(b, c);
@@ -391,26 +369,69 @@ cleanup:
 }
 
 /// Elements that a level had.
-static rsv_status begin_again(level_builder *b)
+static rsv_status begin_again(rsv_level_builder *b)
 {
     const rsv_elements *start = b->desc->start;
     rsv_status status;
     b->split = rsv_alloc(start->context, start->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
     RSV_TRY(rsv_elements_refine(start, b->split, &b->elements));
-    RSV_TRY(prepare_elements(b, NULL));
-    if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+    RSV_TRY(rsv_level_prepare(b, NULL));
+    if (b->desc->direct) RSV_TRY(rsv_level_estimate(b, b->desc->light_samples, b->lit));
 cleanup:
     return status;
+}
+
+/// Caustics of what was shot last, on the level and on the coarse elements.
+static rsv_status finish_caustics(rsv_level_builder *b, rsv_source_level *level)
+{
+    rsv_context *context = b->coarse->context;
+    level->coarse_caustic =
+        rsv_alloc(context, b->coarse->node_count, sizeof *level->coarse_caustic);
+    if (!level->coarse_caustic) return RSV_ERROR_MEMORY;
+    rsv_photon_map_irradiance(&b->map[1], level->coarse_caustic);
+    return rsv_photon_map_shrink(&b->map[0], &b->map[1], level->coarse_caustic, b->caustic);
+}
+
+rsv_status rsv_level_hand_over(rsv_level_builder *b, rsv_source_level *level)
+{
+    rsv_status status = b->caustic ? finish_caustics(b, level) : RSV_OK;
+    if (status != RSV_OK) return status;
+    level->elements = b->elements;
+    level->direct = b->direct;
+    level->caustic = b->caustic;
+    level->deviation = b->deviation;
+    level->valid_points = b->valid_points;
+    level->kept = b->kept_count;
+    level->built_cells = b->elements->cell_count;
+    b->elements = NULL;
+    b->direct = b->caustic = NULL;
+    b->deviation = NULL;
+    b->valid_points = NULL;
+    return RSV_OK;
+}
+
+void rsv_level_end(rsv_level_builder *b)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_free(context, b->split);
+    rsv_free(context, b->direct);
+    rsv_free(context, b->deviation);
+    rsv_free(context, b->valid_points);
+    rsv_free(context, b->known);
+    rsv_free(context, b->lit);
+    rsv_kept_light_destroy(b->kept);
+    rsv_level_free_photons(b);
+    rsv_photon_shooter_destroy(b->shooter);
+    rsv_elements_destroy(b->elements);
 }
 
 rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
     uint64_t *rays)
 {
-    rsv_context *context = coarse->context;
     rsv_status status;
-    level_builder b = {
+    rsv_level_builder b = {
         .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
     };
     *level = (rsv_source_level){ 0 };
@@ -419,37 +440,9 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     RSV_TRY(desc->start ? begin_again(&b) : begin(&b));
     RSV_TRY(refine(&b));
     if (b.kept) RSV_TRY(add_kept(&b));
-    if (b.caustic) {
-        level->coarse_caustic =
-            rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
-        if (!level->coarse_caustic) {
-            status = RSV_ERROR_MEMORY;
-            goto cleanup;
-        }
-        rsv_photon_map_irradiance(&b.map[1], level->coarse_caustic);
-        RSV_TRY(rsv_photon_map_shrink(&b.map[0], &b.map[1], level->coarse_caustic, b.caustic));
-    }
-    level->elements = b.elements;
-    level->direct = b.direct;
-    level->caustic = b.caustic;
-    level->deviation = b.deviation;
-    level->valid_points = b.valid_points;
-    level->kept = b.kept_count;
-    b.elements = NULL;
-    b.direct = b.caustic = NULL;
-    b.deviation = NULL;
-    b.valid_points = NULL;
+    RSV_TRY(rsv_level_hand_over(&b, level));
 cleanup:
-    rsv_free(context, b.split);
-    rsv_free(context, b.direct);
-    rsv_free(context, b.deviation);
-    rsv_free(context, b.valid_points);
-    rsv_free(context, b.known);
-    rsv_free(context, b.lit);
-    rsv_kept_light_destroy(b.kept);
-    free_photons(&b);
-    rsv_photon_shooter_destroy(b.shooter);
-    rsv_elements_destroy(b.elements);
+    rsv_level_end(&b);
     return status;
 }
 

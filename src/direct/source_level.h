@@ -7,6 +7,8 @@
 #include "direct.h"
 #include "photons.h"
 
+#include "../update/light_shafts.h"
+
 #define RSV_LEVEL_POINTS 4 ///< receiver points over the support of a node
 /// Nodes of split cells in which a shadow ends get so many times the shadow rays.
 #define RSV_PENUMBRA_FACTOR 4
@@ -32,6 +34,7 @@ typedef struct rsv_source_level {
     rsv_rgb *coarse_caustic; ///< [node_count of the coarse elements], or NULL
     float *deviation;        ///< [node_count] of `direct`, or NULL
     uint16_t *valid_points;  ///< [node_count]
+    size_t built_cells;      ///< cells when it was built as a whole
     size_t kept;             ///< nodes whose direct light is from before an edit
 } rsv_source_level;
 
@@ -39,6 +42,19 @@ typedef struct rsv_source_level {
 rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
     uint64_t *rays);
+/// What moved on and around a level.
+typedef struct rsv_level_motion {
+    const uint8_t *moved;           ///< [triangle_count] 1 = it moved
+    const rsv_light_shafts *shafts; ///< from sources, through boxes around what moved
+    const rsv_lights *lights;       ///< as they are now
+} rsv_level_motion;
+
+/// Takes a level to where its surfaces are now: in place, and with splits where new shadows end, none being undone.
+/// @param desc, coarse as it was created with, surfaces elsewhere @param level with deviation and valid points
+rsv_status rsv_source_level_follow(const rsv_transport_scene *scene, const rsv_elements *coarse,
+    const rsv_source_level_desc *desc, const rsv_level_motion *motion, rsv_source_level *level,
+    uint64_t *rays);
+
 void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level);
 
 #endif

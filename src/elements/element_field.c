@@ -115,6 +115,29 @@ uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *c
         coarser, cell->face, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3, weight);
 }
 
+uint32_t rsv_elements_find_slot(const rsv_elements *other, const rsv_cell *cell)
+{
+    uint32_t level = other->face_level[cell->face];
+    float u[3], v[3];
+    if (cell->level < level) return RSV_NONE;
+    for (int k = 0; k < 3; k++)
+        rsv_cell_corner(cell, k, &u[k], &v[k]);
+    rsv_triangle_place place = rsv_triangle_grid_find(
+        1 << level, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3);
+    float b[3] = { place.b0, place.b1, place.b2 };
+    uint32_t slot = other->face_slot[cell->face] + place.index;
+    for (; level < cell->level; level++) {
+        if (!(other->slot[slot] & RSV_SLOT_SPLIT)) return RSV_NONE;
+        uint32_t child = 0;
+        while (child < 3 && b[child] < 0.5f)
+            child++;
+        for (uint32_t k = 0; k < 3; k++)
+            b[k] = child == 3 ? 1 - 2 * b[k] : k == child ? 2 * b[k] - 1 : 2 * b[k];
+        slot = (other->slot[slot] & ~RSV_SLOT_SPLIT) + child;
+    }
+    return slot;
+}
+
 uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell)
 {
     float u[3], v[3], weight[3];

@@ -66,6 +66,25 @@ static void hand_over_areas(rsv_elements *e)
     }
 }
 
+/// Areas of the hat functions, those of hanging nodes with their parents.
+static void find_node_areas(rsv_elements *e)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        e->node_area[n] = 0;
+        for (uint32_t s = e->support_begin[n + 1]; s-- > e->support_begin[n];)
+            e->node_area[n] += rsv_cell_area(e, e->support[s] / 4) / 3;
+    }
+    hand_over_areas(e);
+}
+
+void rsv_elements_find_areas(rsv_elements *e)
+{
+    for (size_t face = 0; face < e->face_count; face++)
+        e->face_area[face] = rsv_triangle_area(e->scene, e->face_triangle[face]);
+    find_node_areas(e);
+}
+
 rsv_status rsv_elements_create_supports(rsv_elements *e)
 {
     rsv_status status = rsv_elements_are_countable(e);
@@ -85,11 +104,9 @@ rsv_status rsv_elements_create_supports(rsv_elements *e)
         uint32_t begin = e->support_begin[n], end = e->support_begin[n + 1];
         if (begin == end) continue;
         sort_support(e->support + begin, end - begin);
-        for (uint32_t s = end; s-- > begin;)
-            e->node_area[n] += rsv_cell_area(e, e->support[s] / 4) / 3;
         e->node_face[n] = e->cell[e->support[begin] / 4].face;
     }
-    hand_over_areas(e);
+    find_node_areas(e);
 cleanup:
     rsv_free(e->context, taken);
     return status;

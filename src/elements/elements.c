@@ -188,6 +188,74 @@ cleanup:
     return status;
 }
 
+static bool copy_array(rsv_context *context, void *array, size_t count, size_t size)
+{
+    void **at = array, *copy;
+    if (!*at) return true;
+    copy = rsv_alloc(context, count, size);
+    if (copy && count) memcpy(copy, *at, count * size);
+    *at = copy;
+    return copy != NULL;
+}
+
+#define COPY(field, count) complete &= copy_array(e->context, &e->field, count, sizeof *e->field)
+
+static bool copy_faces(rsv_elements *e)
+{
+    bool complete = true;
+    COPY(face_of[0], e->scene->triangle_count);
+    COPY(face_of[1], e->scene->triangle_count);
+    COPY(face_triangle, e->face_count);
+    COPY(face_back, e->face_count);
+    COPY(face_level, e->face_count);
+    COPY(face_halvings, e->face_count);
+    COPY(face_slot, e->face_count);
+    COPY(face_area, e->face_count);
+    COPY(face_corner, e->face_count);
+    COPY(face_edge, e->face_count);
+    COPY(slot, e->slot_count);
+    COPY(slot_openness, e->slot_count);
+    COPY(cell, e->cell_count);
+    COPY(cell_node, e->cell_count);
+    COPY(cell_openness, e->cell_count);
+    return complete;
+}
+
+static bool copy_nodes(rsv_elements *e)
+{
+    bool complete = true;
+    COPY(node_face, e->node_count);
+    COPY(node_area, e->node_count);
+    size_t supports = e->support_begin ? e->support_begin[e->node_count] : 0;
+    size_t led = e->led_begin ? e->led_begin[e->node_count] : 0;
+    COPY(support_begin, e->node_count + 1);
+    COPY(support, supports);
+    COPY(hanging, e->hanging_count);
+    COPY(node_hanging, e->node_count);
+    COPY(led_begin, e->node_count + 1);
+    COPY(led, led);
+    COPY(node_draw, e->node_count);
+    return complete;
+}
+
+#undef COPY
+
+rsv_status rsv_elements_copy(const rsv_elements *from, const rsv_scene_view *scene,
+    const rsv_bsdf *bsdf, rsv_elements **copy)
+{
+    rsv_elements *e = rsv_alloc(from->context, 1, sizeof *e);
+    if (!e) return RSV_ERROR_MEMORY;
+    *e = *from;
+    e->references = 1;
+    e->scene = scene;
+    e->bsdf = bsdf;
+    bool faces = copy_faces(e), nodes = copy_nodes(e); // both, so that nothing is left of the other's
+    *copy = e;
+    if (faces && nodes) return RSV_OK;
+    rsv_elements_destroy(e);
+    return RSV_ERROR_MEMORY;
+}
+
 rsv_elements *rsv_elements_retain(rsv_elements *e)
 {
     if (e) rsv_references_add(&e->references);

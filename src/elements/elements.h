@@ -120,8 +120,15 @@ typedef void (*rsv_split_chooser)(void *user, const rsv_elements *elements, uint
 rsv_status rsv_elements_refine_where(
     const rsv_elements *coarser, rsv_split_chooser choose, void *user, rsv_elements **elements);
 
+/// Finds the areas of faces and nodes again after triangles changed their sizes.
+void rsv_elements_find_areas(rsv_elements *elements);
+
 /// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
 rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
+
+/// The same elements of the same triangles of another scene. @param scene, bsdf borrowed
+rsv_status rsv_elements_copy(const rsv_elements *elements, const rsv_scene_view *scene,
+    const rsv_bsdf *bsdf, rsv_elements **copy);
 
 /// One more holder of the same elements, who destroys them in turn. @param elements NULL is allowed
 rsv_elements *rsv_elements_retain(rsv_elements *elements);
@@ -211,6 +218,9 @@ rsv_surface_point rsv_elements_node_point(
 
 /// The cell of coarser elements of the same faces in which a cell lies.
 uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);
+
+/// The slot of a cell of other elements of the same faces, be it that it is split there; RSV_NONE = it lies in a larger one.
+uint32_t rsv_elements_find_slot(const rsv_elements *other, const rsv_cell *cell);
 
 /// The very same cell of other elements of the same faces, or RSV_NONE.
 uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell);

@@ -108,6 +108,13 @@ static uint8_t judge_cell(
     return openness_of(scene, &at, cut, blocked, rays);
 }
 
+uint8_t rsv_cell_judge_again(
+    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell, uint64_t *rays)
+{
+    rsv_cell_shape shape = rsv_cell_shape_of(e, cell);
+    return judge_cell(scene, &shape, rays);
+}
+
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
     const rsv_cell_shape *shape, uint64_t *rays)
 {

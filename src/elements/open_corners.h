@@ -24,6 +24,10 @@
 rsv_status rsv_elements_find_open_corners(const rsv_transport_scene *scene,
     const rsv_elements *earlier, rsv_elements *elements, uint64_t *rays);
 
+/// Judges the corners of one cell again, whatever `cell_openness` has. @return what belongs there
+uint8_t rsv_cell_judge_again(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t cell, uint64_t *rays);
+
 /// The same for one cell, from `cell_openness` where that is filled.
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t cell, const rsv_cell_shape *shape, uint64_t *rays);

@@ -8,6 +8,12 @@
 /// 0.40 at 1024.
 #define STRATIFIED 0.45f
 
+// ---- Rows that follow what moves (tracked_rows.c) ----------------------------------------------------
+
+/// Room for what moves out of a scene, on each side, as a part of its size: beyond, all rows are traced anew. Twice the room
+/// halves the precision of the corners of paths, which is 1/65536 of it.
+#define TRAIL_ROOM 0.5f
+
 // ---- What rows cost (row_costs.c) --------------------------------------------------------------------
 
 /// Rows along the curve that are taken to cost alike, ...

@@ -1,6 +1,7 @@
 #include "../sources/partition.h"
 #include "../trace/packet.h"
 #include "row_tracer_internal.h"
+#include "row_track.h"
 
 #include <string.h>
 
@@ -19,15 +20,30 @@ static rsv_rgb scale_of_entry(const rsv_row_tracer *tracer, const rsv_row_receiv
     return rgb(rays / f_max(sum.r, least), rays / f_max(sum.g, least), rays / f_max(sum.b, least));
 }
 
+/// Where the rays of a node leave. @param sample out
+static void place_points(const rsv_row_tracer *tracer, const rsv_receiver_draw *draw,
+    rsv_support_point sample[LANES], rsv_receiver_points *points)
+{
+    rsv_receiver_points_choose(tracer->elements, *draw, sample);
+    rsv_receiver_points_set_up(tracer->elements, tracer->scene->tracer, *draw, sample, points);
+}
+
+void rsv_row_place_points(const rsv_row_tracer *tracer, uint32_t node, rsv_receiver_points *points)
+{
+    rsv_support_point sample[LANES];
+    const rsv_receiver_draw draw = { node, rsv_elements_draw_of(tracer->elements, node),
+        tracer->seed, tracer->valid_points[node] };
+    place_points(tracer, &draw, sample, points);
+}
+
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
     const rsv_elements *e = tracer->elements;
     rsv_receiver_points *p = &r->points;
     rsv_support_point sample[LANES];
-    rsv_receiver_draw draw = { node, index, tracer->seed, valid };
-    rsv_receiver_points_choose(e, draw, sample);
-    rsv_receiver_points_set_up(e, tracer->scene->tracer, draw, sample, p);
+    const rsv_receiver_draw draw = { node, index, tracer->seed, valid };
+    place_points(tracer, &draw, sample, p);
     r->index = index;
     r->valid = valid;
     r->in_air = false;
@@ -62,8 +78,9 @@ static bool counts_in_air(const void *user, uint32_t triangle, uint32_t turns)
 
 static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
 
-static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
+static void add_tinted(rsv_row_scratch *s, uint32_t ray, uint32_t node, rsv_rgb weight)
 {
+    if (s->track) s->track->tinted_ray[s->tinted_count] = (uint16_t)ray;
     s->tinted_column[s->tinted_count] = node;
     s->tinted_weight[s->tinted_count++] = weight;
 }
@@ -76,12 +93,12 @@ void rsv_row_record_node(
     if (!s->whole) w = rgb_mul(w, entered);
     if (copies == 0) return;
     if (!is_one(w)) {
-        add_tinted(s, node, rgb_scale(w, (float)copies));
+        add_tinted(s, ray, node, rgb_scale(w, (float)copies));
         return;
     }
     s->column[ray] = node;
     for (uint32_t k = 1; k < copies; k++)
-        add_tinted(s, node, rgb_gray(1));
+        add_tinted(s, ray, node, rgb_gray(1));
 }
 
 /// @param entered what the light counts for, as it enters the receiver
@@ -103,7 +120,7 @@ void rsv_row_keep_end(rsv_row_scratch *s, uint32_t ray, uint32_t node, uint8_t s
     if (copies == 0) return;
     s->column[ray] = node;
     for (uint32_t k = 1; k < copies; k++)
-        add_tinted(s, node, rgb_gray(1));
+        add_tinted(s, ray, node, rgb_gray(1));
 }
 
 rsv_rgb rsv_row_entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
@@ -126,6 +143,45 @@ static bool emits(const rsv_row_tracer *tracer, uint32_t triangle)
     return tracer->scene->bsdf[tracer->scene->view->triangle_material[triangle]].emissive;
 }
 
+/// Notes which ray an escape is of, that was added last.
+static void track_escape(rsv_row_scratch *s, uint32_t ray, uint32_t plain_before)
+{
+    if (!s->track) return;
+    if (s->escapes.count > plain_before)
+        s->track->bin_ray[plain_before] = (uint16_t)ray;
+    else
+        s->track->tinted_bin_ray[s->escapes.tinted_count - 1] = (uint16_t)ray;
+}
+
+static void add_escape(
+    rsv_row_scratch *s, uint32_t ray, rsv_vec3 direction, rsv_rgb weight, uint32_t turns)
+{
+    uint32_t before = s->escapes.count;
+    rsv_escape_row_add(&s->escapes, direction, weight, turns);
+    track_escape(s, ray, before);
+}
+
+static void add_emission(rsv_row_scratch *s, uint32_t ray, rsv_rgb light)
+{
+    s->emission = rgb_add(s->emission, light);
+    if (!s->track || rgb_is_black(light)) return;
+    s->track->light_ray[s->track->light_count] = (uint16_t)ray;
+    s->track->light[s->track->light_count++] = light;
+}
+
+/// A ray whose specular path is followed.
+typedef struct tracked_ray {
+    rsv_row_track *track;
+    uint32_t ray;
+    const rsv_scene_view *scene;
+} tracked_ray;
+
+static void track_path(void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from)
+{
+    const tracked_ray *t = user;
+    rsv_row_track_visit(t->track, t->ray, t->scene, path, left_scene, from);
+}
+
 rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
 {
     return (rsv_emission_wanted){ r->in_air ? counts_in_air : counts_by_gathering, tracer->lights };
@@ -135,7 +191,7 @@ void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uin
     const rsv_gather *gather, rsv_rgb entered, float random)
 {
     const rsv_specular_path *path = &gather->path;
-    s->emission = rgb_add(s->emission, rgb_mul(gather->emission, entered));
+    add_emission(s, ray, rgb_mul(gather->emission, entered));
     s->rays += path->rays;
     if (gather->end == RSV_SPECULAR_DIFFUSE) {
         record_end(tracer, s, ray, path, entered, random);
@@ -143,8 +199,7 @@ void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uin
     } else if (gather->end == RSV_SPECULAR_SCATTERED) {
         rsv_row_land(tracer, s, ray, gather, entered);
     } else if (gather->end == RSV_SPECULAR_ESCAPED) {
-        rsv_escape_row_add(
-            &s->escapes, path->direction, rgb_mul(path->weight, entered), path->turns);
+        add_escape(s, ray, path->direction, rgb_mul(path->weight, entered), path->turns);
     }
 }
 
@@ -153,8 +208,10 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
     const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
+    tracked_ray tracked = { s->track, ray, tracer->scene->view };
+    const rsv_specular_witness witness = { s->track ? track_path : NULL, &tracked };
     rsv_gather gather =
-        rsv_specular_gather(tracer->scene, path, &random, wanted.filter, wanted.user);
+        rsv_specular_gather_seen(tracer->scene, path, &random, &wanted, &witness);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver);
     rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));
@@ -195,10 +252,11 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
 }
 
 static void record_sky(const rsv_row_tracer *tracer, rsv_row_scratch *s, const rsv_row_receiver *r,
-    float cos_receiver, const rsv_ray_packet *packet, int k)
+    float cos_receiver, const rsv_ray_packet *packet, uint32_t ray)
 {
+    uint32_t k = ray % LANES;
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, rsv_row_entering(tracer, r, cos_receiver), 0);
+    add_escape(s, ray, direction, rsv_row_entering(tracer, r, cos_receiver), 0);
 }
 
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
@@ -225,7 +283,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         s->kind[ray] = target[k].kind;
         if (target[k].kind == RSV_TARGET_BLACK) continue;
         if (target[k].kind == RSV_TARGET_SKY) {
-            record_sky(tracer, s, r, cos_receiver[k], packet, k);
+            record_sky(tracer, s, r, cos_receiver[k], packet, ray);
             continue;
         }
         if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
@@ -272,6 +330,7 @@ static void clear_scratch(rsv_row_scratch *s)
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = s->flights = rgb_gray(0);
+    if (s->track) rsv_row_track_clear(s->track);
 }
 
 rsv_ray_packet rsv_row_begin(
@@ -296,6 +355,21 @@ const float *rsv_row_aim(
     return d->z + at;
 }
 
+void rsv_row_trace_from(const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
+{
+    uint32_t rays = tracer->directions.count;
+    rsv_ray_packet packet = rsv_row_begin(tracer, r, s);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        const float *z = rsv_row_aim(tracer, r, first, &packet);
+        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
+        for (uint32_t k = 0; k < LANES && s->track; k++)
+            s->track->reach[first + k] = rsv_reach_of(packet.t_max[k]);
+        rsv_row_process_hits(tracer, s, first, r, z, &packet);
+    }
+    rsv_row_balance_flights(tracer, s);
+    s->rays += rays;
+}
+
 void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
 {
     rsv_row_receiver r;
@@ -304,15 +378,7 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
         return;
     }
     rsv_row_receive(tracer, node, &r);
-    uint32_t rays = tracer->directions.count;
-    rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
-    for (uint32_t first = 0; first < rays; first += LANES) {
-        const float *z = rsv_row_aim(tracer, &r, first, &packet);
-        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
-        rsv_row_process_hits(tracer, s, first, &r, z, &packet);
-    }
-    rsv_row_balance_flights(tracer, s);
-    s->rays += rays;
+    rsv_row_trace_from(tracer, &r, s);
 }
 
 void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
@@ -331,7 +397,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         packet.v[k] = ends->hit[n].v;
         packet.t_max[k] = ends->hit[n].t;
         if (packet.triangle[k] == RSV_NONE)
-            record_sky(tracer, s, r, z[k], &packet, (int)k);
+            record_sky(tracer, s, r, z[k], &packet, ray);
         else
             rsv_row_follow_path(tracer, s, ray, r, z[k], rsv_row_begin_path(tracer, r, &packet, k));
     }

@@ -10,6 +10,9 @@
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *receiver);
 
+/// Where the rays of a node leave, and nothing else of its receiver.
+void rsv_row_place_points(const rsv_row_tracer *tracer, uint32_t node, rsv_receiver_points *points);
+
 /// An empty row of the receiver's rays. @return a packet with all lanes on, to trace them with
 rsv_ray_packet rsv_row_begin(
     const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, rsv_row_scratch *scratch);
@@ -17,6 +20,10 @@ rsv_ray_packet rsv_row_begin(
 /// Aims the packet of sixteen rays from `first` on. @return cosines at the receiver
 const float *rsv_row_aim(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver,
     uint32_t first, rsv_ray_packet *packet);
+
+/// Traces all rays of a receiver that is set up.
+void rsv_row_trace_from(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, rsv_row_scratch *scratch);
 
 /// Notes where the rays of a traced packet end. @param cos_receiver [RSV_SUPPORT_POINTS] from rsv_row_aim
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,

@@ -3,20 +3,6 @@
 #include "transport_lists.h"
 #include "transport_rows.h"
 
-/// Sum of a field at the ends of a row. Four sums at once: additions that wait for each other would take longer than
-/// the loads.
-static rsv_rgb sum_ends(const uint32_t *column, size_t count, const rsv_rgb *field, size_t stride)
-{
-    rsv_rgb sum[4] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } };
-    size_t k = 0;
-    for (; k + 4 <= count; k += 4)
-        for (size_t lane = 0; lane < 4; lane++)
-            sum[lane] = rgb_add(sum[lane], field[column[k + lane] * stride]);
-    for (; k < count; k++)
-        sum[0] = rgb_add(sum[0], field[column[k] * stride]);
-    return rgb_add(rgb_add(sum[0], sum[1]), rgb_add(sum[2], sum[3]));
-}
-
 static void gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance)
 {
@@ -28,7 +14,7 @@ static void gather(const rsv_transport *transport, size_t fields, const rsv_rgb 
         for (size_t f = 0; f < fields; f++) {
             size_t first = t->row_begin[row];
             rsv_rgb sum =
-                sum_ends(t->column + first, t->row_begin[row + 1] - first, exitance + f, fields);
+                rsv_sum_ends(t->column + first, t->row_begin[row + 1] - first, exitance + f, fields);
             for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
                 sum = rgb_add(
                     sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k] * fields + f]));
@@ -42,7 +28,7 @@ void rsv_transport_gather_only(const rsv_transport *t, const rsv_rgb *field, rsv
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
     for (size_t k = 0; k < t->row_count; k++) {
         rsv_transport_row row = rsv_transport_row_at(t, k);
-        sum[k] = sum_ends(row.column, row.count, field, 1);
+        sum[k] = rsv_sum_ends(row.column, row.count, field, 1);
     }
 }
 

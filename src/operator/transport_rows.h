@@ -16,6 +16,21 @@ void rsv_transport_gather_only(const rsv_transport *transport, const rsv_rgb *fi
 void rsv_transport_residual(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);
 
+/// Sum of a field at the ends of a row. Four sums at once: additions that wait for each other would take longer than
+/// the loads.
+RSV_INLINE rsv_rgb rsv_sum_ends(
+    const uint32_t *column, size_t count, const rsv_rgb *field, size_t stride)
+{
+    rsv_rgb sum[4] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } };
+    size_t k = 0;
+    for (; k + 4 <= count; k += 4)
+        for (size_t lane = 0; lane < 4; lane++)
+            sum[lane] = rgb_add(sum[lane], field[column[k + lane] * stride]);
+    for (; k < count; k++)
+        sum[0] = rgb_add(sum[0], field[column[k] * stride]);
+    return rgb_add(rgb_add(sum[0], sum[1]), rgb_add(sum[2], sum[3]));
+}
+
 /// What tables of rows may use: row by row, one process's.
 void rsv_gather_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance);

@@ -77,6 +77,10 @@ static void release_variant(rsv_scene *scene)
         rsv_free(scene->context, scene->position);
         rsv_scene_release_twins(scene);
     }
+    if (scene->owns_normals) {
+        rsv_free(scene->context, scene->normal);
+        rsv_free(scene->context, scene->tangent);
+    }
     if (scene->owns_environment) rsv_free(scene->context, (void *)scene->environment.pixels);
     rsv_free(scene->context, scene);
 }

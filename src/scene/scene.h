@@ -39,7 +39,7 @@ struct rsv_scene {
     const struct rsv_scene *base; ///< that this one varies (variant.h); NULL = it stands by itself
     const struct rsv_scene *rest; ///< whose textures these are (moment.h); NULL = it has its own
     bool is_framed;               ///< came without a camera, and was given one
-    bool owns_positions, owns_environment; ///< of a variant
+    bool owns_positions, owns_normals, owns_environment; ///< of a variant
 
     rsv_material *material;
     rsv_punctual_light *light;

@@ -48,6 +48,27 @@ rsv_status rsv_scene_vary_positions(rsv_scene *variant)
     return rsv_scene_copy_twins(variant);
 }
 
+rsv_status rsv_scene_vary_normals(rsv_scene *variant)
+{
+    if (variant->owns_normals) return RSV_OK;
+    size_t count = variant->vertex_count;
+    rsv_vec3 *normal = rsv_alloc(variant->context, count, sizeof *normal);
+    float(*tangent)[4] =
+        variant->tangent ? rsv_alloc(variant->context, count, sizeof *tangent) : NULL;
+    if (!normal || (variant->tangent && !tangent)) {
+        rsv_free(variant->context, normal);
+        return RSV_ERROR_MEMORY;
+    }
+    memcpy(normal, variant->normal, count * sizeof *normal);
+    if (tangent) memcpy(tangent, variant->tangent, count * sizeof *tangent);
+    variant->normal = normal;
+    variant->tangent = tangent;
+    variant->view.normal = normal;
+    variant->view.tangent = (const float(*)[4])tangent;
+    variant->owns_normals = true;
+    return RSV_OK;
+}
+
 rsv_status rsv_scene_vary_environment(rsv_scene *variant)
 {
     rsv_environment *e = &variant->environment;
@@ -68,13 +89,14 @@ rsv_status rsv_scene_vary(const rsv_scene *base, rsv_scene **result)
     if (!variant) return RSV_ERROR_MEMORY;
     *variant = *base;
     variant->base = base;
-    variant->owns_positions = variant->owns_environment = false;
+    variant->owns_positions = variant->owns_normals = variant->owns_environment = false;
     variant->material = NULL;
     variant->light = NULL;
     variant->light_fixture = NULL;
     variant->light_node = NULL;
     variant->light_count = variant->light_capacity = 0;
     if (base->owns_positions) RSV_TRY(rsv_scene_vary_positions(variant));
+    if (base->owns_normals) RSV_TRY(rsv_scene_vary_normals(variant));
     if (base->owns_environment) RSV_TRY(rsv_scene_vary_environment(variant));
     RSV_TRY(copy_materials(base, variant));
     RSV_TRY(copy_lights(base, variant));

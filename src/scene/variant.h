@@ -15,6 +15,9 @@ rsv_status rsv_scene_vary(const rsv_scene *base, rsv_scene **variant);
 /// earlier stay valid and see the new places.
 rsv_status rsv_scene_vary_positions(rsv_scene *variant);
 
+/// The same for the normals and tangents of vertices.
+rsv_status rsv_scene_vary_normals(rsv_scene *variant);
+
 /// Gives a variant pixels of surroundings of its own, that can be changed. Does nothing where it has them, or there are none.
 rsv_status rsv_scene_vary_environment(rsv_scene *variant);
 

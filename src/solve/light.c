@@ -230,6 +230,7 @@ void rsv_light_destroy(rsv_light *s)
     if (!s) return;
     rsv_context *context = s->context;
     rsv_light_basis_destroy(s->basis);
+    rsv_following_destroy(context, s->following);
     rsv_light_fields_free(context, &s->field);
     rsv_free(context, s->goal_points);
     if (s->sources) rsv_light_sources_release(s->sources);

@@ -5,6 +5,8 @@
 #include "light_change.h"
 #include "resolvent/update.h"
 
+struct rsv_following; // light_follow.c
+
 struct rsv_light {
     rsv_context *context;
     rsv_operator *op;             ///< of its world's colours
@@ -21,6 +23,7 @@ struct rsv_light {
     double pocket_area;
     rsv_light_basis *basis;
     rsv_solve_report report;
+    struct rsv_following *following; ///< what moving surfaces need; NULL = nothing has moved yet
     rsv_update_report
         update; ///< what was kept from before an edit, as far as `report` does not say
 
@@ -32,6 +35,9 @@ struct rsv_light {
 /// @param scene of the operator's world, with what is known from before an edit; copied
 rsv_status rsv_light_begin(rsv_operator *op, rsv_light_sources *sources,
     const rsv_transport_scene *scene, const rsv_solve_desc *desc, rsv_light **light);
+
+/// @param following NULL is allowed
+void rsv_following_destroy(rsv_context *context, struct rsv_following *following);
 
 /// RSV_ERROR_SCENE where the light never dies out in the operator that it has now.
 rsv_status rsv_light_check_bounded(rsv_light *light);
@@ -46,6 +52,10 @@ void rsv_light_warn_if_unbounded(const rsv_light *light);
 /// asks for or the norm suggests. Fills the report.
 /// @param max_orders applications of G K at most
 rsv_status rsv_solve_orders(rsv_light *light, uint32_t max_orders);
+
+/// Solves E = E0 + G K E again after E0 and G changed a little, from the E that there is. Orders are not kept apart any more;
+/// the spectral radius stays that of before.
+rsv_status rsv_solve_on(rsv_light *light);
 
 /// The same with as many applications as the description allows, and then the spectral radius, converged.
 rsv_status rsv_solve_and_measure(rsv_light *light);

@@ -466,3 +466,76 @@ rsv_status rsv_solve_orders(rsv_light *s, uint32_t max_orders)
 }
 
 rsv_status rsv_solve_and_measure(rsv_light *s) { return solve_orders(s, s->desc.max_orders, true); }
+
+// ---- going on -------------------------------------------------------------------------------------
+
+/// Bound of the resolvent: by the norm where that says anything, else by the radius of before.
+static double resolvent_of(const rsv_solve_report *report)
+{
+    if (report->norm_inf < RSV_LOSSLESS) return 1 / (1 - report->norm_inf);
+    return 1 / (1 - fmin(fmax(report->spectral_radius, 0), RSV_LOSSLESS));
+}
+
+static rsv_solver solver_to_go_on(const rsv_light *s)
+{
+    if (s->desc.solver != RSV_SOLVER_AUTO) return s->desc.solver;
+    return s->report.solver == RSV_SOLVER_AUTO ? RSV_SOLVER_NEUMANN : s->report.solver;
+}
+
+/// @param guess [node_count] E of before in, E out
+static rsv_status solve_from(series *q, rsv_rgb *guess)
+{
+    rsv_light *s = q->s;
+    rsv_solve_report *report = &s->report;
+    size_t nodes = s->elements->node_count;
+    rsv_linear_report linear;
+    rsv_status status;
+    memcpy(q->term, s->field.source, nodes * sizeof *q->term);
+    rsv_transport_map_mask(q->map, 1, q->term);
+    rsv_transport_map_mask(q->map, 1, guess);
+    const rsv_linear_desc desc = { .solver = solver_to_go_on(s),
+        .absolute = q->target,
+        .max_applications = s->desc.max_orders };
+    RSV_TRY(rsv_transport_map_prepare(q->map, desc.solver));
+    RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &guess->r, &linear));
+    report->iterations = (uint32_t)ceil(linear.applications);
+    report->stop_reason = linear.stop_reason;
+    for (size_t n = 0; n < nodes; n++)
+        s->field.indirect[n] = rgb_positive(rgb_sub(guess[n], q->term[n]));
+    rsv_elements_constrain(s->elements, s->field.indirect);
+cleanup:
+    return status;
+}
+
+static void drop_orders(rsv_light *s)
+{
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->field.order[k]);
+        s->field.order[k] = NULL;
+    }
+    s->field.order_count = 0;
+}
+
+rsv_status rsv_solve_on(rsv_light *s)
+{
+    rsv_status status;
+    size_t nodes = s->elements->node_count;
+    series q = { .s = s,
+        .term = rsv_alloc(s->context, nodes, sizeof *q.term),
+        .next = rsv_alloc(s->context, nodes, sizeof *q.next) };
+    RSV_TRY(q.term && q.next ? RSV_OK : RSV_ERROR_MEMORY);
+    drop_orders(s);
+    RSV_TRY(rsv_operator_map(s->op, 1, &q.map));
+    s->report.norm_inf = operator_norm(&q);
+    q.resolvent = resolvent_of(&s->report);
+    q.target = s->desc.tolerance *
+               rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
+    RSV_TRY(solve_from(&q, s->field.irradiance));
+    report_error(&q, q.next);
+    rsv_sharpen(s->elements, s->field.indirect, q.term, q.next);
+cleanup:
+    rsv_transport_map_destroy(q.map);
+    rsv_free(s->context, q.term);
+    rsv_free(s->context, q.next);
+    return status;
+}

@@ -123,6 +123,12 @@
 /// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
 #define WORRYING_RADIUS 0.98
 
+// ---- Lights that follow what moves (source.c) --------------------------------------------------------
+
+/// Cells of a level of direct light, over those it was built with, from which on it is built anew: splits for shadows that have
+/// moved on are never undone.
+#define MOST_GROWTH 1.3f
+
 // ---- Solvers (measure_solver.c, node_groups.c) -------------------------------------------------------
 
 /// Orders of light that show how fast they die out, before a solver is chosen.

@@ -4,6 +4,7 @@
 #include "../update/kept_light.h"
 #include "../update/update.h"
 #include "goal.h"
+#include "solve_constants.h"
 
 rsv_status rsv_source_hidden_cells(const rsv_light *s, uint8_t **hidden)
 {
@@ -39,6 +40,80 @@ rsv_status rsv_source_create_levels(rsv_light *s, const rsv_level_limits *limits
     if (status == RSV_OK && caustics)
         status = rsv_source_level_create(&s->scene, s->sources->lights, s->elements, &caustic_desc,
             &s->field.caustics, &s->report.rays);
+    return status;
+}
+
+/// Builds a level of direct light anew, with what still holds of the one before.
+static rsv_status build_again(rsv_light *s, const rsv_source_level_desc *desc,
+    const rsv_level_motion *motion, rsv_source_level *level)
+{
+    rsv_source_level then = *level;
+    const rsv_level_before before = { then.elements, then.direct, then.deviation, then.valid_points,
+        motion->shafts, motion->moved };
+    const rsv_known_cells answers = rsv_level_before_answers(&before);
+    const rsv_update update = { .before = &before };
+    rsv_transport_scene scene = s->scene;
+    scene.update = &update;
+    scene.known_cells = &answers;
+    *level = (rsv_source_level){ 0 };
+    rsv_status status = rsv_source_level_create(
+        &scene, s->sources->lights, s->elements, desc, level, &s->report.rays);
+    rsv_source_level_destroy(s->context, &then);
+    return status;
+}
+
+static rsv_status follow_level(rsv_light *s, const rsv_source_level_desc *desc,
+    const rsv_level_motion *motion, rsv_source_level *level)
+{
+    if (!level->elements) return RSV_OK;
+    return rsv_source_level_follow(&s->scene, s->elements, desc, motion, level, &s->report.rays);
+}
+
+/// What a light has of its levels that can follow.
+static bool has_level(const rsv_source_level *level)
+{
+    return level->elements && level->valid_points && (!level->direct || level->deviation);
+}
+
+bool rsv_source_has_grown(const rsv_light *s)
+{
+    const rsv_source_level *fine = &s->field.fine;
+    return has_level(fine) &&
+           (float)fine->elements->cell_count > MOST_GROWTH * (float)fine->built_cells;
+}
+
+rsv_status rsv_source_divide_again(
+    rsv_light *s, const rsv_level_limits *limits, const rsv_level_motion *motion)
+{
+    rsv_source_level_desc direct = level_desc(s, limits), caustics = direct;
+    rsv_status status = RSV_OK;
+    direct.direct = true;
+    caustics.photon_count = s->desc.photon_count;
+    if (has_level(&s->field.fine)) RSV_TRY(build_again(s, &direct, motion, &s->field.fine));
+    if (has_level(&s->field.caustics))
+        RSV_TRY(follow_level(s, &caustics, motion, &s->field.caustics));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_source_follow_levels(
+    rsv_light *s, const rsv_level_limits *limits, const rsv_level_motion *motion)
+{
+    rsv_status status;
+    rsv_source_level_desc direct = level_desc(s, limits), caustics = direct;
+    rsv_light_fields *f = &s->field;
+    bool known = motion && (!f->fine.elements || has_level(&f->fine)) &&
+                 (!f->caustics.elements || has_level(&f->caustics));
+    if (!known) {
+        rsv_source_level_destroy(s->context, &f->fine);
+        rsv_source_level_destroy(s->context, &f->caustics);
+        return rsv_source_create_levels(s, limits);
+    }
+    direct.direct = true;
+    caustics.photon_count = s->desc.photon_count;
+    RSV_TRY(follow_level(s, &direct, motion, &f->fine));
+    RSV_TRY(follow_level(s, &caustics, motion, &f->caustics));
+cleanup:
     return status;
 }
 

@@ -18,6 +18,17 @@ rsv_status rsv_source_hidden_cells(const rsv_light *light, uint8_t **hidden);
 /// the same whether direct light is left to the renderer or not.
 rsv_status rsv_source_create_levels(rsv_light *light, const rsv_level_limits *limits);
 
+/// Takes both levels to where surfaces are now, in place.
+/// @param motion what moved; NULL = all is built anew
+rsv_status rsv_source_follow_levels(
+    rsv_light *light, const rsv_level_limits *limits, const rsv_level_motion *motion);
+
+/// Whether the level of direct light has many splits of earlier motions, and is to be divided anew.
+bool rsv_source_has_grown(const rsv_light *light);
+/// Builds the level of direct light anew, with what still holds of it where nothing moved; takes caustics along.
+rsv_status rsv_source_divide_again(
+    rsv_light *light, const rsv_level_limits *limits, const rsv_level_motion *motion);
+
 /// A level of the light with more splits, where its sources as they stand ask for any; what it holds is for splits alone.
 rsv_status rsv_source_refine_level(
     rsv_light *light, const rsv_level_limits *limits, bool caustic, rsv_source_level *finer);

@@ -84,6 +84,18 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_world_vary_triangles(rsv_world *w, const uint8_t *moves)
+{
+    rsv_status status;
+    RSV_TRY(rsv_scene_vary_positions(w->variant));
+    RSV_TRY(rsv_scene_vary_normals(w->variant));
+    if (!w->tracer) RSV_TRY(rsv_tracer_create(w->variant, &w->tracer));
+    use_tracer(w, w->tracer);
+    RSV_TRY(rsv_tracer_set_triangles_apart(w->tracer, moves));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_world_follow_places(rsv_world *w)
 {
     rsv_status status = rsv_scene_update_bounds(w->variant);

@@ -29,6 +29,10 @@ rsv_status rsv_world_vary(rsv_world *base, rsv_world **variant);
 /// where it has them. @param moves [material_count]
 rsv_status rsv_world_vary_places(rsv_world *variant, const bool *moves);
 
+/// Gives a variant vertices, normals and a hierarchy of its own, in which single triangles can be moved, on top of those that
+/// can be already. @param moves [triangle_count]
+rsv_status rsv_world_vary_triangles(rsv_world *variant, const uint8_t *moves);
+
 /// Takes over the places of vertices that were moved.
 rsv_status rsv_world_follow_places(rsv_world *variant);
 

@@ -42,9 +42,17 @@ static rsv_fog_fate cross_fog(const rsv_transport_scene *scene, rsv_specular_pat
     return fate;
 }
 
-/// @param gather what was found so far
+static rsv_vec3 place_of(const rsv_transport_scene *scene, const rsv_specular_path *path)
+{
+    const uint32_t *corner = scene->view->triangle[path->triangle];
+    const rsv_vec3 *p = scene->view->position;
+    return v3_barycentric(p[corner[0]], p[corner[1]], p[corner[2]], path->u, path->v);
+}
+
+/// @param witness NULL = nobody @param gather what was found so far
 static rsv_gather follow(const rsv_transport_scene *scene, rsv_specular_path path,
-    rsv_random *random, const rsv_emission_wanted *wanted, rsv_gather gather)
+    rsv_random *random, const rsv_emission_wanted *wanted, const rsv_specular_witness *witness,
+    rsv_gather gather)
 {
     for (;;) {
         rsv_fog_fate fate = cross_fog(scene, &path, false, random, &gather);
@@ -65,6 +73,9 @@ static rsv_gather follow(const rsv_transport_scene *scene, rsv_specular_path pat
         }
         rsv_specular_move move = rsv_specular_follow(scene, &path, &event, event.weight);
         if (move == RSV_SPECULAR_LOST) return gather;
+        if (witness && witness->visit)
+            witness->visit(witness->user, &path, move == RSV_SPECULAR_LEFT_SCENE,
+                place_of(scene, &gather.path));
         gather.path = path;
         if (move == RSV_SPECULAR_LEFT_SCENE) {
             fate = cross_fog(scene, &path, true, random, &gather);
@@ -78,7 +89,14 @@ rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_pa
     rsv_random *random, rsv_emission_filter filter, const void *user)
 {
     const rsv_emission_wanted wanted = { filter, user };
-    return follow(scene, path, random, &wanted, (rsv_gather){ .end = RSV_SPECULAR_ABSORBED });
+    return rsv_specular_gather_seen(scene, path, random, &wanted, NULL);
+}
+
+rsv_gather rsv_specular_gather_seen(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, const rsv_emission_wanted *wanted, const rsv_specular_witness *witness)
+{
+    const rsv_gather nothing = { .end = RSV_SPECULAR_ABSORBED };
+    return follow(scene, path, random, wanted, witness, nothing);
 }
 
 /// After the fog on the first segment. @return false if that ends the path
@@ -98,7 +116,7 @@ rsv_gather rsv_specular_gather_from_fog(const rsv_transport_scene *scene, rsv_sp
     rsv_fog_crossing crossing = { .emission = rgb_gray(0) };
     rsv_fog_fate fate = rsv_specular_meet_fog(scene, &path, place, random, &crossing);
     if (!goes_on(scene, &path, &crossing, fate, &gather)) return gather;
-    return follow(scene, path, random, wanted, gather);
+    return follow(scene, path, random, wanted, NULL, gather);
 }
 
 rsv_gather rsv_specular_gather_beyond(const rsv_transport_scene *scene, const rsv_medium *medium,
@@ -109,5 +127,5 @@ rsv_gather rsv_specular_gather_beyond(const rsv_transport_scene *scene, const rs
     rsv_specular_path path = rsv_specular_in_air(scene, medium, ray->direction);
     rsv_fog_fate fate = rsv_specular_cross_beyond(scene, &path, ray, random, &crossing);
     if (!goes_on(scene, &path, &crossing, fate, &gather)) return gather;
-    return follow(scene, path, random, wanted, gather);
+    return follow(scene, path, random, wanted, NULL, gather);
 }

@@ -76,6 +76,16 @@ bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random);
 /// Whether radiance emitted by a surface met after `turns` specular events (rsv_specular_path.turns) is wanted.
 typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t turns);
 
+/// Called at the end of each segment after the first. @param from where it began @param left_scene it has no end
+typedef void (*rsv_specular_visitor)(
+    void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from);
+
+/// Who is told of the segments of a gather path; `visit` NULL = nobody.
+typedef struct rsv_specular_witness {
+    rsv_specular_visitor visit;
+    void *user;
+} rsv_specular_witness;
+
 /// Follows a gather specular path to its diffuse end, drawing events by their probability. What the roulette
 /// leaves is colour only: a colourless specular path keeps weight 1.
 rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
@@ -90,6 +100,10 @@ typedef struct rsv_emission_wanted {
     rsv_emission_filter filter;
     const void *user;
 } rsv_emission_wanted;
+
+/// The same with a witness of what it passes; NULL = nobody.
+rsv_gather rsv_specular_gather_seen(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, const rsv_emission_wanted *wanted, const rsv_specular_witness *witness);
 
 /// The same for a path that fog has met at a place before it came to any surface (rsv_specular_in_air): it ends there, or is
 /// turned and goes on.

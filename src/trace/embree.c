@@ -191,11 +191,11 @@ static void attach_apart(rsv_tracer *tracer)
     rtcReleaseGeometry(geometry);
 }
 
-rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
+/// Builds the two geometries of what is listed.
+static rsv_status build_apart(rsv_tracer *tracer)
 {
-    if (tracer->apart) return RSV_OK;
-    rsv_status status = list_apart(tracer, moves);
-    if (status != RSV_OK) return status;
+    if (tracer->apart_attached) rtcDetachGeometry(tracer->bvh, APART_GEOMETRY);
+    tracer->apart_attached = true;
     drop_apart(tracer);
     attach_apart(tracer);
     // a hierarchy for each geometry and one above them, each as good as the whole was, but for the splitting of triangles
@@ -205,10 +205,47 @@ rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
     return check_device(tracer);
 }
 
+rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
+{
+    if (tracer->apart) return RSV_OK;
+    rsv_status status = list_apart(tracer, moves);
+    return status == RSV_OK ? build_apart(tracer) : status;
+}
+
+/// Whether any of these triangles is still among the others. @param apart [triangle_count] out: those that are not
+static bool any_to_set_apart(const rsv_tracer *tracer, const uint8_t *moves, uint8_t *apart)
+{
+    size_t triangles = rsv_scene_get_view(tracer->scene)->triangle_count;
+    for (size_t k = 0; k < tracer->apart_count; k++)
+        apart[tracer->apart[k]] = 1;
+    for (size_t t = 0; t < triangles; t++)
+        if (moves[t] && !apart[t]) return true;
+    return false;
+}
+
+rsv_status rsv_tracer_set_triangles_apart(rsv_tracer *tracer, const uint8_t *moves)
+{
+    size_t triangles = rsv_scene_get_view(tracer->scene)->triangle_count;
+    rsv_status status = RSV_OK;
+    uint8_t *apart = rsv_alloc(tracer->context, triangles, 1);
+    RSV_TRY(apart ? RSV_OK : RSV_ERROR_MEMORY);
+    if (!any_to_set_apart(tracer, moves, apart)) goto cleanup;
+    if (!tracer->apart)
+        tracer->apart = rsv_alloc(tracer->context, triangles, sizeof *tracer->apart);
+    RSV_TRY(tracer->apart ? RSV_OK : RSV_ERROR_MEMORY);
+    for (uint32_t t = 0; t < triangles; t++)
+        if (moves[t] && !apart[t]) tracer->apart[tracer->apart_count++] = t;
+    RSV_TRY(build_apart(tracer));
+cleanup:
+    rsv_free(tracer->context, apart);
+    return status;
+}
+
 bool rsv_tracer_is_apart(const rsv_tracer *tracer) { return tracer->apart != NULL; }
 
 rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
+    if (!tracer->apart_attached) return RSV_OK; // nothing moves yet
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;

@@ -19,6 +19,7 @@ struct rsv_tracer {
     int native_width; ///< widest packet the processor traverses natively: 16, 8, 4 or 1
     uint32_t *apart;  ///< [apart_count] triangles of the second geometry; NULL = there is but one
     size_t apart_count;
+    bool apart_attached;         ///< there is that geometry
     rsv_bvh *hierarchy;          ///< for devices; empty until one asks
     const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
     bool blended;                ///< light passes some surfaces in part (passage.h)

@@ -8,6 +8,10 @@
 /// first call counts. Nobody else may use the tracer meanwhile. @param moves [material_count]
 rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves);
 
+/// The same for single triangles, on top of those that are set apart already.
+/// @param moves [triangle_count] non-zero = set apart
+rsv_status rsv_tracer_set_triangles_apart(rsv_tracer *tracer, const uint8_t *moves);
+
 /// Whether that was done.
 bool rsv_tracer_is_apart(const rsv_tracer *tracer);
 

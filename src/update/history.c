@@ -122,13 +122,15 @@ static rsv_status open_blob(rsv_history *p, const rsv_transport_scene *scene,
     *sound = is_sound(p->header, p->blob.count, settings);
     if (!*sound) return RSV_OK;
     p->layout = rsv_history_layout_of(p->header);
-    p->all_light_changed = p->header->lights == RSV_HISTORY_NO_LIGHTS || scene->media.bodies ||
-                           p->header->lights != rsv_history_lights_key(lights);
+    p->shafts.all_light_changed = p->header->lights == RSV_HISTORY_NO_LIGHTS ||
+                                  scene->media.bodies ||
+                                  p->header->lights != rsv_history_lights_key(lights);
     RSV_TRY(check_cells(p, sound));
     if (!*sound) goto cleanup;
     RSV_TRY(rsv_history_find_faces(p, scene->view));
     RSV_TRY(find_change(p, scene));
-    rsv_history_find_sources(p, lights);
+    p->shafts.change = &p->change;
+    rsv_light_shafts_find_sources(&p->shafts, lights);
     p->known_cells = rsv_history_answers(p);
 cleanup:
     return status;
@@ -185,37 +187,18 @@ const rsv_scene_change *rsv_history_change(const rsv_history *p) { return &p->ch
 
 uint64_t rsv_history_identity(const rsv_history *p) { return p->header->checksum | 1; }
 
-bool rsv_history_sources_changed(const rsv_history *p) { return p->all_light_changed; }
-
-static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
-{
-    return b->low.x <= high.x && b->low.y <= high.y && b->low.z <= high.z && b->high.x >= low.x &&
-           b->high.y >= low.y && b->high.z >= low.z;
-}
+bool rsv_history_sources_changed(const rsv_history *p) { return p->shafts.all_light_changed; }
 
 bool rsv_history_is_beside(const rsv_history *p, const rsv_elements *e, uint32_t cell)
 {
-    rsv_box b = rsv_reach_of_cell(e, cell);
-    for (uint32_t k = 0; k < p->change.count; k++)
-        if (overlap(&b, p->change.low[k], p->change.high[k])) return true;
-    return false;
-}
-
-static bool is_support_beside(const rsv_history *p, const rsv_elements *e, uint32_t node)
-{
-    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (rsv_history_is_beside(p, e, e->support[s] / 4)) return true;
-    return false;
+    return rsv_cell_is_beside(e, cell, &p->change);
 }
 
 const rsv_history_light *rsv_history_find_light(const rsv_history *p, rsv_history_level level,
     const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
     const uint8_t *value = rsv_history_find(&p->layout.nodes[level], node_key);
-    if (!value || is_support_beside(p, e, node)) return NULL;
-    for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
-         e->led_begin && k < e->led_begin[node + 1]; k++)
-        if (is_support_beside(p, e, e->led[k].follower)) return NULL;
+    if (!value || rsv_node_is_beside(e, node, &p->change)) return NULL;
     return (const rsv_history_light *)(const void *)value;
 }
 
@@ -238,7 +221,9 @@ static bool is_box_near(const rsv_history *p, const rsv_box *b)
     for (uint32_t k = 0; k < p->change.count; k++) {
         rsv_vec3 low = p->change.low[k], high = p->change.high[k];
         rsv_box wide = rsv_box_grow((rsv_box){ low, high }, v3_length(v3_sub(high, low)));
-        if (overlap(b, wide.low, wide.high)) return true;
+        if (b->low.x <= wide.high.x && b->low.y <= wide.high.y && b->low.z <= wide.high.z &&
+            b->high.x >= wide.low.x && b->high.y >= wide.low.y && b->high.z >= wide.low.z)
+            return true;
     }
     return false;
 }
@@ -261,4 +246,15 @@ bool rsv_history_is_node_near(const rsv_history *p, const rsv_elements *e, uint3
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
         if (rsv_history_is_near(p, e, e->support[s] / 4)) return true;
     return false;
+}
+
+bool rsv_history_is_light_changed(const rsv_history *p, const rsv_elements *e, uint32_t cell)
+{
+    return rsv_light_shafts_meet(&p->shafts, e, cell);
+}
+
+rsv_status rsv_history_find_light_changed(
+    const rsv_history *p, const rsv_elements *e, uint8_t **light_changed)
+{
+    return rsv_light_shafts_find_changed(&p->shafts, e, light_changed);
 }

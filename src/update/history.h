@@ -98,10 +98,6 @@ bool rsv_history_is_node_near(
 bool rsv_history_is_light_changed(
     const rsv_history *history, const rsv_elements *elements, uint32_t cell);
 
-/// The same of any cell whose light a node receives, those of its followers included.
-/// @param cell_light_changed [cell_count] of the cells
-bool rsv_history_is_node_light_changed(
-    const rsv_elements *elements, uint32_t node, const uint8_t *cell_light_changed);
 /// The cells for which that holds. @param light_changed out: [cell_count], to be freed
 rsv_status rsv_history_find_light_changed(
     const rsv_history *history, const rsv_elements *elements, uint8_t **light_changed);

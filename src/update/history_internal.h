@@ -3,12 +3,8 @@
 #define RSV_HISTORY_INTERNAL_H
 
 #include "history_file.h"
+#include "light_shafts.h"
 #include "update_constants.h"
-
-/// Metres.
-typedef struct rsv_box {
-    rsv_vec3 low, high;
-} rsv_box;
 
 struct rsv_history {
     rsv_context *context;
@@ -20,12 +16,7 @@ struct rsv_history {
     uint32_t
         *face_before[2]; ///< [triangle_count of the scene] by side: the same face; RSV_NONE = none
     rsv_scene_change added, change; ///< what is new; that, and what is gone
-    rsv_box source[RSV_HISTORY_SOURCES];
-    uint32_t source_count;
-    rsv_vec3 sun[RSV_MAX_SUNS + RSV_HISTORY_SOURCES]; ///< unit, towards distant sources
-    uint32_t sun_count;
-    bool all_light_changed; ///< sources are not what they were
-    bool sky;               ///< light comes from everywhere above
+    rsv_light_shafts shafts;        ///< through `change`
 };
 
 /// Whether every face has a grid, and slots form trees below it. @param taken [slot_count], zeros
@@ -37,13 +28,5 @@ rsv_status rsv_history_find_faces(rsv_history *history, const rsv_scene_view *sc
 
 /// Whether something new or gone may reach what a cell is asked for.
 bool rsv_history_is_beside(const rsv_history *history, const rsv_elements *elements, uint32_t cell);
-
-/// Boxes around the sources of direct light.
-void rsv_history_find_sources(rsv_history *history, const rsv_lights *lights);
-
-rsv_box rsv_box_grow(rsv_box box, float by);
-rsv_box rsv_box_of_cell(const rsv_elements *elements, uint32_t cell);
-/// A cell with all that is asked of its surroundings.
-rsv_box rsv_reach_of_cell(const rsv_elements *elements, uint32_t cell);
 
 #endif

@@ -21,17 +21,28 @@ static rsv_status widen(rsv_kept_light *r)
     return RSV_OK;
 }
 
-rsv_status rsv_kept_light_create(
-    const rsv_history *history, const rsv_elements *coarse, rsv_kept_light **kept)
+/// Light on what moved is another in any case.
+static void mark_moved(const rsv_kept_light *r)
+{
+    const rsv_elements *e = r->coarse;
+    for (size_t c = 0; c < e->cell_count; c++)
+        r->light_changed[c] |= r->before->moved[e->face_triangle[e->cell[c].face]];
+}
+
+rsv_status rsv_kept_light_create(const rsv_history *history, const rsv_level_before *before,
+    const rsv_elements *coarse, rsv_kept_light **kept)
 {
     rsv_status status;
     rsv_kept_light *r = rsv_alloc(coarse->context, 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
     r->history = history;
+    r->before = before;
     r->coarse = coarse;
     r->changed = rsv_alloc(coarse->context, coarse->cell_count, 1);
     RSV_TRY(r->changed ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_history_find_light_changed(history, coarse, &r->light_changed));
+    RSV_TRY(before ? rsv_light_shafts_find_changed(before->shafts, coarse, &r->light_changed)
+                   : rsv_history_find_light_changed(history, coarse, &r->light_changed));
+    if (before) mark_moved(r);
     RSV_TRY(widen(r));
     *kept = r;
     r = NULL;
@@ -54,12 +65,18 @@ bool rsv_kept_light_is_changed(const rsv_kept_light *r, const rsv_cell *cell)
     return r->changed[rsv_elements_find_around(r->coarse, cell)];
 }
 
+static bool was_split(const rsv_kept_light *r, const rsv_elements *e, uint32_t cell)
+{
+    return r->before ? rsv_level_before_was_split(r->before, e, cell)
+                     : rsv_history_was_split(r->history, RSV_HISTORY_FINE, e, cell);
+}
+
 static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_kept_light *r = user;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
-        split[c] = rsv_history_was_split(r->history, RSV_HISTORY_FINE, e, c) &&
+        split[c] = was_split(r, e, c) &&
                    !r->light_changed[rsv_elements_find_around(r->coarse, &e->cell[c])];
     size_t marked = 0;
     for (size_t c = 0; c < e->cell_count; c++)
@@ -102,11 +119,38 @@ static const rsv_history_light *find_light(const rsv_kept_light *r, const rsv_el
     return then;
 }
 
+/// As rsv_kept_light_nodes, of the level before.
+static void take_nodes(
+    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
+{
+    const rsv_level_before *b = r->before;
+    size_t known = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : known)
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE || (f->lit[n] && !kept)) continue;
+        if (is_node_light_changed(r, e, n)) continue;
+        uint32_t twin = rsv_level_before_find(b, e, n);
+        if (twin == RSV_NONE) continue;
+        known += b->valid_points[twin] != 0;
+        if (f->lit[n]) continue;
+        f->known[n] = f->lit[n] = 1;
+        f->valid_points[n] = b->valid_points[twin];
+        f->direct[n] = b->direct[twin];
+        f->deviation[n] = b->deviation[twin];
+    }
+    if (kept) *kept = known;
+}
+
 rsv_status rsv_kept_light_nodes(
     const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
 {
     uint64_t *key = NULL;
     size_t known = 0;
+    if (r->before) {
+        take_nodes(r, e, f, kept);
+        return RSV_OK;
+    }
     rsv_status status = rsv_node_keys_create(e, &key);
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : known)
@@ -137,8 +181,7 @@ rsv_status rsv_kept_direct(
     RSV_TRY(rsv_history_find_light_changed(history, e, &light_changed));
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE ||
-            rsv_history_is_node_light_changed(e, n, light_changed))
+        if (e->node_hanging[n] != RSV_NONE || rsv_node_light_is_changed(e, n, light_changed))
             continue;
         const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
         known[n] = then != NULL;

@@ -3,9 +3,11 @@
 #define RSV_KEPT_LIGHT_H
 
 #include "history.h"
+#include "level_before.h"
 
 typedef struct rsv_kept_light {
-    const rsv_history *history;
+    const rsv_history *history;     ///< NULL = there is `before`
+    const rsv_level_before *before; ///< the level itself; NULL = there is `history`
     const rsv_elements *coarse;
     uint8_t *light_changed; ///< [cell_count of `coarse`] non-zero = light may be another
     uint8_t *changed;       ///< likewise, and cells beside those: their splits are found again
@@ -22,9 +24,10 @@ typedef struct rsv_kept_light_fields {
     uint8_t *lit;    ///< 1 where direct and deviation are
 } rsv_kept_light_fields;
 
+/// @param history, before one of them, the other NULL
 /// @param coarse elements that the level starts from
-rsv_status rsv_kept_light_create(
-    const rsv_history *history, const rsv_elements *coarse, rsv_kept_light **kept);
+rsv_status rsv_kept_light_create(const rsv_history *history, const rsv_level_before *before,
+    const rsv_elements *coarse, rsv_kept_light **kept);
 void rsv_kept_light_destroy(rsv_kept_light *kept);
 
 /// Whether splits of a cell are to be found again. @param cell of finer elements

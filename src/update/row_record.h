@@ -6,6 +6,8 @@
 #include "../specular/escapes.h"
 #include "scene_change.h"
 
+struct rsv_row_track; // operator/row_track.h
+
 /// What the rays of one row found.
 typedef struct rsv_row_scratch {
     uint32_t *column; ///< [rays] RSV_NONE = nothing
@@ -23,6 +25,7 @@ typedef struct rsv_row_scratch {
     uint64_t rays;    ///< of all rows so far
     uint64_t kept;    ///< rays of all rows so far that rsv_row_retrace did not trace again
     size_t kept_rows; ///< rows so far of which it traced none
+    struct rsv_row_track *track; ///< what is noted of each ray; NULL = no more than that
 } rsv_row_scratch;
 
 #define RSV_ROW_RAY_ENDS 0x80 ///< with the kind: the ray ended at a node

@@ -59,6 +59,21 @@ static void merge_two(rsv_scene_change *c)
     c->high[best[1]] = c->high[c->count];
 }
 
+void rsv_scene_change_cover(rsv_scene_change *c, rsv_vec3 low, rsv_vec3 high)
+{
+    uint32_t best = 0;
+    float least = INFINITY;
+    for (uint32_t k = 0; k < c->count; k++) {
+        float waste = half_surface(v3_min(c->low[k], low), v3_max(c->high[k], high)) -
+                      half_surface(c->low[k], c->high[k]);
+        if (waste < least) least = waste, best = k;
+    }
+    if (c->count == 0)
+        rsv_scene_change_add(c, low, high, false);
+    else
+        cover(c, best, low, high);
+}
+
 void rsv_scene_change_add(rsv_scene_change *c, rsv_vec3 low, rsv_vec3 high, bool runs_on)
 {
     if (runs_on) {

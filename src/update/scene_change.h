@@ -29,6 +29,8 @@ rsv_scene_change rsv_scene_change_since(
 /// Adds a box. @param runs_on it belongs to the one added just before; else the two that waste least space by that become
 /// one where there are too many
 void rsv_scene_change_add(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high, bool runs_on);
+/// Lets the box that grows least by it cover another one, which lies beside one of them.
+void rsv_scene_change_cover(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high);
 /// To be called once after all boxes were added: against rounding.
 void rsv_scene_change_add_margins(rsv_scene_change *change);
 

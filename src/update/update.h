@@ -9,18 +9,26 @@
 #define RSV_UPDATE_H
 
 #include "history.h"
+#include "level_before.h"
 
 /// All of it is borrowed.
 typedef struct rsv_update {
     rsv_store *store;           ///< keeps rows while they are traced; NULL = nobody does
     rsv_store *earlier;         ///< that of an earlier version of the scene; NULL = none
     const rsv_history *history; ///< what the solve of that knew; NULL = nothing
+    const rsv_level_before *before; ///< direct light before something moved; NULL = not known
 } rsv_update;
 
 /// @return NULL = nothing is known
 RSV_INLINE const rsv_history *rsv_history_of(const rsv_transport_scene *scene)
 {
     return scene->update ? scene->update->history : NULL;
+}
+
+/// @return NULL = nothing is known
+RSV_INLINE const rsv_level_before *rsv_level_before_of(const rsv_transport_scene *scene)
+{
+    return scene->update ? scene->update->before : NULL;
 }
 
 #endif

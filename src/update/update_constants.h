@@ -10,13 +10,11 @@
 /// Boxes of what has changed grow by this part of their coordinates, against rounding.
 #define MARGIN 1e-5f
 
-// ---- How far an edit reaches (history_light.c) -------------------------------------------------------
+// ---- How far an edit reaches (light_shafts.c) -------------------------------------------------------
 
 /// What cells ask their surroundings (elements_constants.h) reaches no farther than this part of their size ...
 #define REACH_OF_SIZE 0.6f
 /// ... and this part of the spacing.
 #define REACH_OF_SPACING 0.25f
-/// Sources that are told apart; direct light of scenes with more is found anew wherever one has changed.
-#define RSV_HISTORY_SOURCES 64
 
 #endif

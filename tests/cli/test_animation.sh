@@ -22,7 +22,7 @@ succeeds info moving.glb --time 1 --clip all
 # frames are those moments, whatever was kept of the one before, and the same for any number of threads
 succeeds render moving.glb -o frame-%02d.exr "${quick[@]}" --frames 0-2 --fps 2 --stats frames.json --threads 1
 grep -q '"frames":[[:space:]]*3' frames.json || complain "no number of frames in the statistics"
-grep -q '"kept_rows_of_all_frames":[[:space:]]*0,' frames.json && complain "no row was kept"
+grep -q '"kept_row_rays_of_all_frames":[[:space:]]*0,' frames.json && complain "no ray was kept"
 succeeds render moving.glb -o again-%d.exr "${quick[@]}" --frames 0-2 --fps 2 --threads 2
 for k in 0 1 2; do cmp -s frame-0$k.exr again-$k.exr || complain "threads change frame $k"; done
 cmp -s frame-00.exr start.exr || complain "frame 0 is another picture than --time 0"

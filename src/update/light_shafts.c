@@ -1,9 +1,9 @@
-/// Where the light of sources may be another after an edit.
+#include "light_shafts.h"
+
 #include "../scene/punctual.h"
-#include "history_internal.h"
 #include "update_constants.h"
 
-static void add_source(rsv_history *p, uint32_t at, rsv_vec3 place)
+static void add_source(rsv_light_shafts *p, uint32_t at, rsv_vec3 place)
 {
     if (at >= p->source_count) {
         p->source[at] = (rsv_box){ place, place };
@@ -13,7 +13,7 @@ static void add_source(rsv_history *p, uint32_t at, rsv_vec3 place)
     p->source[at].high = v3_max(p->source[at].high, place);
 }
 
-static void add_light(rsv_history *p, uint32_t at, const rsv_punctual_light *light)
+static void add_light(rsv_light_shafts *p, uint32_t at, const rsv_punctual_light *light)
 {
     float r = rsv_punctual_radius(light);
     add_source(p, at, v3_sub(light->position, v3(r, r, r)));
@@ -21,7 +21,7 @@ static void add_light(rsv_history *p, uint32_t at, const rsv_punctual_light *lig
 }
 
 /// Emitters and punctual lights in their order share the boxes.
-void rsv_history_find_sources(rsv_history *p, const rsv_lights *lights)
+void rsv_light_shafts_find_sources(rsv_light_shafts *p, const rsv_lights *lights)
 {
     const rsv_scene_view *scene = lights->scene;
     size_t count = lights->sampled_count + lights->punctual_count, at = 0;
@@ -67,6 +67,41 @@ rsv_box rsv_reach_of_cell(const rsv_elements *e, uint32_t cell)
     float size = sqrtf(2 * rsv_cell_area(e, cell));
     return rsv_box_grow(
         rsv_box_of_cell(e, cell), REACH_OF_SIZE * size + REACH_OF_SPACING * e->spacing);
+}
+
+static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
+{
+    return b->low.x <= high.x && b->low.y <= high.y && b->low.z <= high.z && b->high.x >= low.x &&
+           b->high.y >= low.y && b->high.z >= low.z;
+}
+
+bool rsv_box_meets(const rsv_box *b, const rsv_scene_change *change)
+{
+    for (uint32_t k = 0; k < change->count; k++)
+        if (overlap(b, change->low[k], change->high[k])) return true;
+    return false;
+}
+
+bool rsv_cell_is_beside(const rsv_elements *e, uint32_t cell, const rsv_scene_change *change)
+{
+    rsv_box b = rsv_reach_of_cell(e, cell);
+    return rsv_box_meets(&b, change);
+}
+
+static bool is_support_beside(const rsv_elements *e, uint32_t node, const rsv_scene_change *change)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (rsv_cell_is_beside(e, e->support[s] / 4, change)) return true;
+    return false;
+}
+
+bool rsv_node_is_beside(const rsv_elements *e, uint32_t node, const rsv_scene_change *change)
+{
+    if (is_support_beside(e, node, change)) return true;
+    for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
+         e->led_begin && k < e->led_begin[node + 1]; k++)
+        if (is_support_beside(e, e->led[k].follower, change)) return true;
+    return false;
 }
 
 typedef struct interval {
@@ -118,14 +153,14 @@ static bool rises_above(
     return v3_dot(top, normal) > 0;
 }
 
-bool rsv_history_is_light_changed(const rsv_history *p, const rsv_elements *e, uint32_t cell)
+bool rsv_light_shafts_meet(const rsv_light_shafts *p, const rsv_elements *e, uint32_t cell)
 {
     if (p->all_light_changed) return true;
     const rsv_scene_view *scene = e->scene;
     float far = 2 * v3_length(v3_sub(scene->bounds_max, scene->bounds_min));
     rsv_box place = rsv_reach_of_cell(e, cell);
-    for (uint32_t k = 0; k < p->change.count; k++) {
-        rsv_vec3 low = p->change.low[k], high = p->change.high[k];
+    for (uint32_t k = 0; k < p->change->count; k++) {
+        rsv_vec3 low = p->change->low[k], high = p->change->high[k];
         if (!rises_above(e, cell, &place, low, high)) continue;
         if (p->sky) return true;
         for (uint32_t s = 0; s < p->source_count; s++)
@@ -139,14 +174,14 @@ bool rsv_history_is_light_changed(const rsv_history *p, const rsv_elements *e, u
     return false;
 }
 
-rsv_status rsv_history_find_light_changed(
-    const rsv_history *p, const rsv_elements *e, uint8_t **light_changed)
+rsv_status rsv_light_shafts_find_changed(
+    const rsv_light_shafts *p, const rsv_elements *e, uint8_t **light_changed)
 {
-    uint8_t *changed = *light_changed = rsv_alloc(p->context, e->cell_count, 1);
+    uint8_t *changed = *light_changed = rsv_alloc(e->context, e->cell_count, 1);
     if (!changed) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(p->context))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
-        changed[c] = rsv_history_is_light_changed(p, e, c);
+        changed[c] = rsv_light_shafts_meet(p, e, c);
     return RSV_OK;
 }
 
@@ -158,7 +193,7 @@ static bool is_support_light_changed(
     return false;
 }
 
-bool rsv_history_is_node_light_changed(
+bool rsv_node_light_is_changed(
     const rsv_elements *e, uint32_t node, const uint8_t *cell_light_changed)
 {
     bool changed = is_support_light_changed(e, node, cell_light_changed);

@@ -1,0 +1,192 @@
+/// Levels of direct light and caustics whose surfaces move. Elements stay: light is sampled again at nodes that a motion may
+/// have hidden from a source, or shown to it, and cells are split further where new shadows end.
+#include "../update/moved_elements.h"
+#include "direct_constants.h"
+#include "source_level_internal.h"
+
+#include <string.h>
+
+typedef struct level_follower {
+    rsv_level_builder b;
+    const rsv_level_motion *motion;
+    uint8_t *changed; ///< [cell_count] 1 = light may be another there
+    uint8_t *anew;    ///< [node_count] 1 = the node receives light elsewhere
+} level_follower;
+
+/// Elements that nobody else holds, and their fields.
+static rsv_status take_level(level_follower *f, rsv_source_level *level)
+{
+    rsv_status status = RSV_OK;
+    rsv_elements *shared = level->elements, *own = NULL;
+    if (shared->references > 1) {
+        RSV_TRY(rsv_elements_copy(shared, shared->scene, shared->bsdf, &own));
+        rsv_elements_destroy(shared);
+        level->elements = own;
+    }
+    f->b.elements = level->elements;
+    f->b.direct = level->direct;
+    f->b.deviation = level->deviation;
+    f->b.valid_points = level->valid_points;
+    rsv_free(f->b.coarse->context, level->caustic);
+    rsv_free(f->b.coarse->context, level->coarse_caustic);
+    *level = (rsv_source_level){ .built_cells = level->built_cells };
+cleanup:
+    return status;
+}
+
+static rsv_status move_elements(level_follower *f)
+{
+    rsv_elements *e = f->b.elements;
+    rsv_scene_change change = *f->motion->shafts->change;
+    const rsv_elements_motion motion = { f->motion->moved, &change,
+        { RSV_LEVEL_POINTS, f->b.desc->seed } };
+    f->anew = rsv_alloc(e->context, e->node_count, 1);
+    if (!f->anew) return RSV_ERROR_MEMORY;
+    return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
+}
+
+/// Cells where light may be another: looked for in coarse cells where it may be.
+static rsv_status find_changed(level_follower *f)
+{
+    const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
+    uint8_t *coarse_changed = NULL;
+    const rsv_light_shafts *shafts = f->motion->shafts;
+    rsv_status status;
+    f->changed = rsv_alloc(e->context, e->cell_count, 1);
+    RSV_TRY(f->changed ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_light_shafts_find_changed(shafts, coarse, &coarse_changed));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
+                        (coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
+                            rsv_light_shafts_meet(shafts, e, c));
+cleanup:
+    rsv_free(e->context, coarse_changed);
+    return status;
+}
+
+/// Whether shadow rays from any corner of a cell around a node met different things.
+static bool is_beside_shadow(const level_follower *f, uint32_t node)
+{
+    const rsv_elements *e = f->b.elements;
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+        const uint32_t *corner = e->cell_node[e->support[s] / 4];
+        for (int k = 0; k < 3; k++)
+            if (corner[k] != node && f->b.deviation[corner[k]] > 0) return true;
+    }
+    return false;
+}
+
+/// Samples light again where it may be another, with more rays beside shadows.
+static rsv_status sample_again(level_follower *f)
+{
+    rsv_level_builder *b = &f->b;
+    const rsv_elements *e = b->elements;
+    rsv_status status;
+    uint8_t *known = rsv_alloc(e->context, e->node_count, 1);
+    RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
+    b->kept_count = 0;
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        known[n] = !f->anew[n] && !rsv_node_light_is_changed(e, n, f->changed);
+        b->kept_count += known[n] && e->node_hanging[n] == RSV_NONE && b->valid_points[n];
+    }
+    RSV_TRY(rsv_level_estimate(b, b->desc->light_samples, known));
+    for (uint32_t n = 0; n < e->node_count; n++)
+        f->anew[n] = known[n] || !is_beside_shadow(f, n);
+    RSV_TRY(rsv_level_estimate(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, f->anew));
+cleanup:
+    rsv_free(e->context, known);
+    return status;
+}
+
+static rsv_status split_marked(level_follower *f)
+{
+    rsv_level_builder *b = &f->b;
+    rsv_elements *finer = NULL;
+    rsv_status status = rsv_elements_refine(b->elements, b->split, &finer);
+    if (status != RSV_OK) return status;
+    rsv_earlier_level earlier = rsv_level_set_aside(b);
+    b->elements = finer;
+    RSV_TRY(rsv_level_prepare(b, &earlier));
+    RSV_TRY(rsv_level_estimate_fresh(b, &earlier));
+cleanup:
+    rsv_level_free_earlier(b, &earlier);
+    return status;
+}
+
+/// Marks cells where light bends now. @param marked out: how many
+static rsv_status mark_changed(level_follower *f, size_t *marked)
+{
+    rsv_level_builder *b = &f->b;
+    rsv_context *context = b->coarse->context;
+    rsv_status status;
+    rsv_free(context, b->split);
+    b->split = rsv_alloc(context, b->elements->cell_count, 1);
+    RSV_TRY(b->split ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_level_mark_cells(b, 0, marked));
+    *marked = 0;
+    for (size_t c = 0; c < b->elements->cell_count; c++) {
+        b->split[c] &= f->changed[c];
+        *marked += b->split[c];
+    }
+cleanup:
+    return status;
+}
+
+/// Splits cells until light bends within few: those are left until the level is built anew.
+static rsv_status split_cells(level_follower *f)
+{
+    rsv_status status = RSV_OK;
+    for (uint32_t round = 0; round < f->b.desc->levels; round++) {
+        size_t marked;
+        RSV_TRY(mark_changed(f, &marked));
+        if ((float)marked <= SPLIT_SHARE * (float)f->b.elements->cell_count) break;
+        RSV_TRY(split_marked(f));
+        rsv_free(f->b.coarse->context, f->changed);
+        f->changed = NULL;
+        RSV_TRY(find_changed(f));
+    }
+cleanup:
+    return status;
+}
+
+static rsv_status follow_direct(level_follower *f)
+{
+    rsv_status status;
+    RSV_TRY(find_changed(f));
+    RSV_TRY(sample_again(f));
+    RSV_TRY(split_cells(f));
+cleanup:
+    return status;
+}
+
+static rsv_status follow_caustics(level_follower *f)
+{
+    rsv_level_builder *b = &f->b;
+    rsv_status status =
+        rsv_photon_shooter_create(b->scene, b->lights, b->desc->seed, NULL, &b->shooter, b->rays);
+    return status == RSV_OK ? rsv_level_shoot(b, b->desc->photon_count) : status;
+}
+
+rsv_status rsv_source_level_follow(const rsv_transport_scene *scene, const rsv_elements *coarse,
+    const rsv_source_level_desc *desc, const rsv_level_motion *motion, rsv_source_level *level,
+    uint64_t *rays)
+{
+    rsv_status status;
+    rsv_source_level_desc own = *desc;
+    level_follower f = { .motion = motion,
+        .b = { scene, motion->lights, coarse, &own, .rays = rays } };
+    size_t built_cells = level->built_cells;
+    own.start = level->elements; // cells know how deep they are
+    RSV_TRY(take_level(&f, level));
+    RSV_TRY(move_elements(&f));
+    RSV_TRY(desc->direct ? follow_direct(&f) : RSV_OK);
+    RSV_TRY(desc->photon_count ? follow_caustics(&f) : RSV_OK);
+    RSV_TRY(rsv_level_hand_over(&f.b, level));
+    level->built_cells = built_cells;
+cleanup:
+    rsv_free(coarse->context, f.changed);
+    rsv_free(coarse->context, f.anew);
+    rsv_level_end(&f.b);
+    return status;
+}

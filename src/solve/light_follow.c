@@ -1,0 +1,371 @@
+/// Lights of scenes in which surfaces move: nothing but what a motion touched is found again.
+///
+/// 1. Boxes around what moved, where it was and where it is (rsv_scene_change).
+/// 2. Coarse elements keep their numbers; beside boxes, what is buried is judged again (update/moved_elements.h).
+/// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
+/// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
+///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
+/// 5. E = E0 + G K E is solved on from the E of before.
+#include "../core/device.h"
+#include "../core/team.h"
+#include "../operator/tracked_rows.h"
+#include "../scene/moved.h"
+#include "../scene/variant.h"
+#include "../update/moved_elements.h"
+#include "../update/update.h"
+#include "light_internal.h"
+#include "resolvent/update.h"
+#include "source.h"
+
+#include <string.h>
+
+/// What a light keeps between motions.
+typedef struct rsv_following {
+    rsv_elements *elements;     ///< of the operator, retained
+    uint16_t *valid_points;     ///< [node_count] of the operator
+    rsv_transport *rows;        ///< likewise
+    rsv_rgb *direct;            ///< [node_count] next-event estimates, W/m2
+    rsv_scene_change undivided; ///< boxes of motions since the level of direct light was divided
+} rsv_following;
+
+/// One motion.
+typedef struct motion {
+    rsv_light *s;
+    rsv_scene_difference difference;
+    rsv_scene_change change;
+    rsv_light_shafts shafts;
+    uint8_t *anew; ///< [node_count] 1 = the row is another one
+    bool begins;   ///< it is the first one
+    rsv_rows_patched rows;
+    size_t lit, kept_lit;
+} motion;
+
+void rsv_following_destroy(rsv_context *context, rsv_following *f)
+{
+    if (!f) return;
+    rsv_elements_destroy(f->elements);
+    rsv_free(context, f->direct);
+    rsv_free(context, f);
+}
+
+// ---- what moved -----------------------------------------------------------------------------------
+
+/// Adds boxes around what moved, as it stands in the light's own scene.
+static void add_boxes(motion *m)
+{
+    const rsv_scene_view *view = m->s->world->scene.view;
+    uint32_t object = RSV_NONE; // of the moved triangle just before
+    for (uint32_t t = 0; t < view->triangle_count; t++) {
+        uint32_t own = m->difference.moved[t] ? view->triangle_object[t] : RSV_NONE;
+        if (own != RSV_NONE) {
+            const uint32_t *corner = view->triangle[t];
+            rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+                     c = view->position[corner[2]];
+            rsv_scene_change_add(
+                &m->change, v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), own == object);
+        }
+        object = own;
+    }
+}
+
+static bool moves_emitter(const motion *m)
+{
+    const rsv_transport_scene *scene = &m->s->world->scene;
+    for (uint32_t t = 0; t < scene->view->triangle_count; t++)
+        if (m->difference.moved[t] && scene->bsdf[scene->view->triangle_material[t]].emissive)
+            return true;
+    return false;
+}
+
+/// Brings the light's scene, its hierarchy and its sources to where all is now.
+static rsv_status move_world(motion *m, const rsv_scene *version)
+{
+    rsv_light *s = m->s;
+    rsv_status status;
+    add_boxes(m);
+    RSV_TRY(rsv_world_vary_triangles(s->world, m->difference.moved));
+    rsv_scene_take_places(s->world->variant, version);
+    RSV_TRY(rsv_world_follow_places(s->world));
+    s->scene = s->world->scene;
+    add_boxes(m);
+    rsv_scene_change_add_margins(&m->change);
+    m->shafts = (rsv_light_shafts){ .change = &m->change,
+        .all_light_changed =
+            m->begins || m->difference.lights_moved || moves_emitter(m) || s->scene.media.bodies };
+    if (m->difference.lights_moved || moves_emitter(m))
+        RSV_TRY(rsv_light_find_sources(s, s->sources->lights));
+    rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
+cleanup:
+    return status;
+}
+
+// ---- the operator ---------------------------------------------------------------------------------
+
+/// Elements of the light's own, of its own scene.
+static rsv_status begin(motion *m)
+{
+    rsv_light *s = m->s;
+    size_t nodes = s->elements->node_count;
+    rsv_status status;
+    rsv_following *f = s->following = rsv_alloc(s->context, 1, sizeof *f);
+    RSV_TRY(f ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(
+        rsv_elements_copy(s->elements, s->world->scene.view, s->world->scene.bsdf, &f->elements));
+    f->direct = rsv_alloc(s->context, nodes, sizeof *f->direct);
+    RSV_TRY(f->direct ? RSV_OK : RSV_ERROR_MEMORY);
+cleanup:
+    return status;
+}
+
+/// Rows of the light's own.
+static rsv_status trace_rows(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_following *f = s->following;
+    const rsv_transport_desc desc = { .scene = &s->world->scene,
+        .lights = s->sources->lights,
+        .elements = f->elements,
+        .valid_points = f->valid_points,
+        .rays = s->report.rays_per_row,
+        .seed = s->desc.seed };
+    rsv_status status = rsv_tracked_rows_create(&desc, &f->rows);
+    if (status == RSV_OK)
+        m->rows = (rsv_rows_patched){ .rays = f->rows->rays, .traced = f->rows->rays };
+    return status;
+}
+
+/// A new operator of the rows traced last.
+static rsv_status take_operator(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_following *f = s->following;
+    size_t nodes = f->elements->node_count;
+    rsv_operator *op = NULL;
+    rsv_rgb *albedo = rsv_alloc(s->context, nodes, sizeof *albedo);
+    if (albedo && nodes)
+        memcpy(albedo, rsv_operator_get_view(s->op)->albedo, nodes * sizeof *albedo);
+    const rsv_operator_view parts = { .context = s->context,
+        .world = s->world,
+        .elements = f->elements,
+        .valid_points = f->valid_points,
+        .transport = f->rows,
+        .albedo = albedo };
+    rsv_status status = rsv_operator_restore(&parts, &op);
+    if (status == RSV_OK && !albedo) status = RSV_ERROR_MEMORY;
+    if (status == RSV_OK) status = rsv_operator_scatter(op);
+    if (status != RSV_OK) {
+        rsv_operator_release(op);
+        return status;
+    }
+    rsv_operator_release(s->op);
+    s->op = op;
+    s->elements = f->elements;
+    return RSV_OK;
+}
+
+static rsv_status copy_valid_points(motion *m)
+{
+    rsv_light *s = m->s;
+    size_t nodes = s->elements->node_count;
+    uint16_t *own = s->following->valid_points = rsv_alloc(s->context, nodes, sizeof *own);
+    if (!own) return RSV_ERROR_MEMORY;
+    if (nodes) memcpy(own, s->view.valid_points, nodes * sizeof *own);
+    return RSV_OK;
+}
+
+static rsv_status move_operator(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_following *f = s->following;
+    const rsv_elements_motion elements = { m->difference.moved, &m->change,
+        { RSV_SUPPORT_POINTS, s->desc.seed } };
+    rsv_status status;
+    bool whole = m->begins || !rsv_tracked_rows_can_follow(f->rows, &m->change);
+    m->anew = rsv_alloc(s->context, f->elements->node_count, 1);
+    RSV_TRY(m->anew ? RSV_OK : RSV_ERROR_MEMORY);
+    if (whole) RSV_TRY(copy_valid_points(m));
+    RSV_TRY(
+        rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
+    if (whole) {
+        RSV_TRY(trace_rows(m));
+        RSV_TRY(take_operator(m));
+    } else {
+        const rsv_rows_motion rows = { s->sources->lights, &m->change, m->anew };
+        RSV_TRY(rsv_tracked_rows_patch(f->rows, &rows, &m->rows));
+    }
+    rsv_light_publish(s);
+cleanup:
+    return status;
+}
+
+// ---- E0 -------------------------------------------------------------------------------------------
+
+/// Nodes whose direct light is what it was. @param known [node_count], out
+static rsv_status find_known(motion *m, uint8_t *known)
+{
+    const rsv_elements *e = m->s->elements;
+    uint8_t *changed = NULL;
+    rsv_status status = rsv_light_shafts_find_changed(&m->shafts, e, &changed);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < e->node_count; n++)
+        known[n] = status == RSV_OK && !m->anew[n] && !rsv_node_light_is_changed(e, n, changed) &&
+                   !rsv_node_is_beside(e, n, &m->change);
+    rsv_free(e->context, changed);
+    return status;
+}
+
+static rsv_status find_direct(motion *m)
+{
+    rsv_light *s = m->s;
+    size_t nodes = s->elements->node_count;
+    rsv_status status;
+    uint8_t *known = rsv_alloc(s->context, nodes, 1);
+    RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(find_known(m, known));
+    memcpy(s->field.source, s->following->direct, nodes * sizeof *s->field.source);
+    RSV_TRY(rsv_source_estimate(s, known));
+    memcpy(s->following->direct, s->field.source, nodes * sizeof *s->field.source);
+    for (size_t n = 0; n < nodes; n++) {
+        bool lit = s->elements->node_hanging[n] == RSV_NONE && s->view.valid_points[n];
+        m->lit += lit;
+        m->kept_lit += lit && known[n];
+    }
+cleanup:
+    rsv_free(s->context, known);
+    return status;
+}
+
+/// Builds the level of direct light anew where anything moved since that was done last; its splits are those of a solve then.
+static rsv_status divide_again(motion *m, const rsv_level_limits *limits)
+{
+    rsv_light *s = m->s;
+    rsv_light_shafts shafts = m->shafts;
+    shafts.change = &s->following->undivided;
+    const rsv_level_motion moved = { m->difference.moved, &shafts, s->sources->lights };
+    rsv_status status = rsv_source_divide_again(s, limits, &moved);
+    s->following->undivided.count = 0;
+    return status;
+}
+
+/// Direct light and caustics on their own elements.
+static rsv_status find_levels(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_status status;
+    uint8_t *hidden = NULL;
+    rsv_scene_change *undivided = &s->following->undivided;
+    const rsv_level_motion moved = { m->difference.moved, &m->shafts, s->sources->lights };
+    for (uint32_t k = 0; k < m->change.count; k++)
+        rsv_scene_change_add(undivided, m->change.low[k], m->change.high[k], false);
+    RSV_TRY(rsv_source_hidden_cells(s, &hidden));
+    const rsv_level_limits limits = { SIZE_MAX, hidden };
+    if (!m->begins && rsv_source_has_grown(s))
+        RSV_TRY(divide_again(m, &limits));
+    else
+        RSV_TRY(rsv_source_follow_levels(s, &limits, m->begins ? NULL : &moved));
+    if (m->begins) undivided->count = 0;
+cleanup:
+    rsv_free(s->context, hidden);
+    return status;
+}
+
+static rsv_status move_light(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_status status;
+    RSV_TRY(find_direct(m));
+    RSV_TRY(find_levels(m));
+    s->gathered_scale = rgb_gray(1);
+    rsv_source_add_gathered(s);
+    RSV_TRY(rsv_solve_on(s));
+    if (rsv_operator_get_view(s->op)->subsurface) RSV_TRY(rsv_light_diffuse(s));
+cleanup:
+    return status;
+}
+
+// ---- all of it ------------------------------------------------------------------------------------
+
+static void fill_report(const motion *m, double seconds, rsv_update_report *report)
+{
+    const rsv_light *s = m->s;
+    size_t rows = rsv_count_rows(s->elements, s->view.valid_points);
+    *report = (rsv_update_report){ .rows = rows,
+        .kept_elements = rows,
+        .kept_rows = m->rows.kept_rows,
+        .row_rays = m->rows.rays,
+        .kept_row_rays = m->rows.rays > m->rows.traced ? m->rows.rays - m->rows.traced : 0,
+        .lit_elements = m->lit,
+        .kept_lit_elements = m->kept_lit + s->field.fine.kept,
+        .seconds = seconds };
+    const rsv_elements *fine = s->field.fine.elements;
+    for (size_t n = 0; fine && s->field.fine.valid_points && n < fine->node_count; n++)
+        report->lit_elements +=
+            fine->node_hanging[n] == RSV_NONE && s->field.fine.valid_points[n] != 0;
+}
+
+/// RSV_ERROR_UNSUPPORTED where a light cannot follow.
+static rsv_status check(const rsv_light *s)
+{
+    if (rsv_team_place_of(s->context).size > 1)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "light follows moving objects in one process alone");
+    if (rsv_context_device(s->context))
+        return rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "light follows moving objects on the processor alone");
+    if (!s->field.irradiance || !s->field.indirect)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "light: it is not solved yet, and cannot follow");
+    return RSV_OK;
+}
+
+static rsv_status follow(motion *m, const rsv_scene *version)
+{
+    rsv_light *s = m->s;
+    rsv_status status;
+    RSV_TRY(rsv_light_vary_world(s));
+    rsv_light_set_basis(s, NULL);
+    RSV_TRY(move_world(m, version));
+    if (m->begins) RSV_TRY(begin(m));
+    RSV_TRY(move_operator(m));
+    RSV_TRY(move_light(m));
+cleanup:
+    return status;
+}
+
+/// Finishes the level of direct light, once all is at rest.
+static rsv_status settle(motion *m)
+{
+    rsv_light *s = m->s;
+    uint8_t *hidden = NULL;
+    rsv_status status;
+    m->shafts =
+        (rsv_light_shafts){ .change = &m->change, .all_light_changed = s->scene.media.bodies };
+    rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
+    RSV_TRY(rsv_source_hidden_cells(s, &hidden));
+    const rsv_level_limits limits = { SIZE_MAX, hidden };
+    RSV_TRY(divide_again(m, &limits));
+cleanup:
+    rsv_free(s->context, hidden);
+    return status;
+}
+
+rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_report *report)
+{
+    motion m = { .s = s, .begins = !s->following };
+    double start = rsv_seconds();
+    rsv_status status;
+    RSV_TRY(rsv_scene_require_committed(version));
+    RSV_TRY(rsv_scene_refuse_fog(version, "a light that follows what moves"));
+    RSV_TRY(rsv_scene_refuse_fog(s->scene.scene, "a light that follows what moves"));
+    RSV_TRY(check(s));
+    RSV_TRY(rsv_scene_find_moved(s->world->scene.scene, version, &m.difference));
+    bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
+    if (!rests)
+        RSV_TRY(follow(&m, version));
+    else if (s->following->undivided.count > 0)
+        RSV_TRY(settle(&m));
+    rsv_light_publish(s);
+    if (report) fill_report(&m, rsv_seconds() - start, report);
+cleanup:
+    rsv_free(s->context, m.difference.moved);
+    rsv_free(s->context, m.anew);
+    return status;
+}

@@ -1,0 +1,62 @@
+#include "level_before.h"
+
+#include "../elements/open_corners.h"
+
+static bool openness(const void *user, const rsv_elements *e, uint32_t cell, uint8_t *known)
+{
+    const rsv_level_before *b = user;
+    const rsv_elements *then = b->elements;
+    uint32_t slot = rsv_elements_find_slot(then, &e->cell[cell]);
+    if (slot == RSV_NONE || rsv_cell_is_beside(e, cell, b->shafts->change)) return false;
+    if (!(then->slot[slot] & RSV_SLOT_SPLIT)) {
+        if (!then->cell_openness) return false;
+        *known = then->cell_openness[then->slot[slot]];
+        return true;
+    }
+    if (!then->slot_openness || !(then->slot_openness[slot] & RSV_OPENNESS_KNOWN)) return false;
+    *known = then->slot_openness[slot] & (uint8_t)~RSV_OPENNESS_KNOWN;
+    return true;
+}
+
+static bool grid_level(const void *user, const rsv_elements *e, uint32_t face, uint8_t *level)
+{
+    (void)user, (void)e, (void)face, (void)level;
+    return false; // coarse elements have grids, and they are the same
+}
+
+static bool is_split(const void *user, const rsv_elements *e, uint32_t cell, bool *split)
+{
+    (void)user, (void)e, (void)cell, (void)split;
+    return false; // likewise
+}
+
+static rsv_status find_undivided(const void *user, const rsv_elements *e, uint8_t *undivided)
+{
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < e->node_count; n++)
+        undivided[n] = rsv_level_before_find(user, e, n) != RSV_NONE;
+    return RSV_OK;
+}
+
+rsv_known_cells rsv_level_before_answers(const rsv_level_before *before)
+{
+    return (rsv_known_cells){ before, grid_level, is_split, openness, find_undivided };
+}
+
+bool rsv_level_before_was_split(const rsv_level_before *b, const rsv_elements *e, uint32_t cell)
+{
+    uint32_t slot = e->cell[cell].level < RSV_MAX_LEVEL
+                        ? rsv_elements_find_slot(b->elements, &e->cell[cell])
+                        : RSV_NONE;
+    return slot != RSV_NONE && b->elements->slot[slot] & RSV_SLOT_SPLIT;
+}
+
+uint32_t rsv_level_before_find(const rsv_level_before *b, const rsv_elements *e, uint32_t node)
+{
+    if (e->support_begin[node] == e->support_begin[node + 1] ||
+        b->moved[e->face_triangle[e->node_face[node]]])
+        return RSV_NONE;
+    uint32_t twin = rsv_elements_find_twin(e, node, b->elements);
+    if (twin == RSV_NONE || b->elements->node_hanging[twin] != RSV_NONE) return RSV_NONE;
+    return rsv_node_is_beside(e, node, b->shafts->change) ? RSV_NONE : twin;
+}

@@ -1,0 +1,30 @@
+/// A level of direct light as it was before something moved, in memory: what elements of a new one need not find out, and light
+/// that is the same. Both levels start from the same coarse elements, so that their cells are known again by their places.
+#ifndef RSV_LEVEL_BEFORE_H
+#define RSV_LEVEL_BEFORE_H
+
+#include "../elements/known_cells.h"
+#include "light_shafts.h"
+
+/// All of it is borrowed.
+typedef struct rsv_level_before {
+    const rsv_elements *elements;
+    const rsv_rgb *direct;        ///< [node_count] W/m2
+    const float *deviation;       ///< [node_count] of its luminance
+    const uint16_t *valid_points; ///< [node_count]
+    const rsv_light_shafts *shafts;
+    const uint8_t *moved; ///< [triangle_count] 1 = it moved
+} rsv_level_before;
+
+/// What elements ask of it. @param before must stay where it is
+rsv_known_cells rsv_level_before_answers(const rsv_level_before *before);
+
+/// Whether a cell was split.
+bool rsv_level_before_was_split(
+    const rsv_level_before *before, const rsv_elements *elements, uint32_t cell);
+
+/// The free node that was the same, if nothing has moved beside it; RSV_NONE = there is none.
+uint32_t rsv_level_before_find(
+    const rsv_level_before *before, const rsv_elements *elements, uint32_t node);
+
+#endif
