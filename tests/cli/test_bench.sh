@@ -95,7 +95,7 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
 refuses 2 'belongs to bench bake, levels, quality, rebake, moving, gpu, fps, rooms and pictures' bench trace --quality draft
-refuses 2 'belongs to bench quality, fig8, fps, rooms and pictures' bench trace --size 64
+refuses 2 'belongs to bench bake, quality, fig8, fps, rooms and pictures' bench trace --size 64
 refuses 2 'is one number' bench fig8 --size 64x36
 refuses 2 '--frames belongs to bench fps, rooms and moving' bench trace --frames 3
 

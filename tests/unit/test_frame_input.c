@@ -37,13 +37,13 @@ static double mean_of(const rsv_rgb *radiance, size_t count)
     return sum / (3 * (double)count);
 }
 
-static double mean_of_final(const rsv_light *solution)
+static double mean_of_final(const rsv_light *solution, uint32_t samples)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     desc.mode = RSV_RENDER_FINAL;
     desc.width = width;
     desc.height = height;
-    desc.samples = 24;
+    desc.samples = samples;
     rsv_image *image;
     assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
     double mean = mean_of(rsv_image_const_pixels(image, 0), pixel_count);
@@ -63,28 +63,30 @@ static rsv_frame_renderer *begin(const rsv_light *solution, uint32_t across, uin
     return renderer;
 }
 
-/// Flies, and rests. Takes the world over.
-static void check(world *w)
+/// Flies, and rests for so many frames. Takes the world over. @param samples of mode final
+static void check_after(world *w, int frames, uint32_t samples)
 {
     static rsv_rgb shown[pixel_count];
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     rsv_light *solution = solve_for_frames(w, 200, 2000);
     rsv_frame_renderer *renderer = begin(solution, width, height);
     rsv_frame_view view = view_of(w);
-    for (int k = 0; k < 40; k++) {
+    for (int k = 0; k < frames; k++) {
         if (k < 4) view.camera[0].position.x += 0.01f;
         if (k == 4) view = view_of(w);
         assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
         rsv_frame_radiance(renderer, 0, shown);
         mean_of(shown, pixel_count);
     }
-    double rested = mean_of(shown, pixel_count), final = mean_of_final(solution);
+    double rested = mean_of(shown, pixel_count), final = mean_of_final(solution, samples);
     print_message("    at rest %.4f, mode final %.4f\n", rested, final);
     assert_true(fabs(rested - final) <= 0.02 * final); // inside a closed body both are black
     rsv_frame_renderer_destroy(renderer);
     rsv_light_destroy(solution);
     world_end(w);
 }
+
+static void check(world *w) { check_after(w, 40, 24); }
 
 /// A floor with one texture.
 static void add_floor(world *w, rsv_material m, rsv_texture_role role, const rsv_texture_desc *desc)
@@ -167,7 +169,8 @@ static void normals_may_point_below_the_surface(void **state)
 static void a_room_may_be_all_metal(void **state)
 {
     (void)state;
-    check(room_of(glossy(1, 0.3f), front));
+    // one path in a few finds the lamp, whatever it leaves by: 0.0728 after 2000 frames, 0.0725 in mode final with 1000 samples
+    check_after(room_of(glossy(1, 0.3f), front), 320, 100);
 }
 
 static void mirrors_may_face_each_other(void **state)
