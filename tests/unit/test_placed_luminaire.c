@@ -325,7 +325,7 @@ static void any_number_of_lights_is_relit(void **state)
 {
     enum { lamps = 80 };
     fixture *f = *state;
-    static char name[lamps][16];
+    static char name[lamps][24];
     rsv_scene *scene = new_scene(f->context);
     rsv_punctual_light light = add_luminaire(scene, print_cosine("0 0 0"));
     add_quad(scene, add_material(scene, 0.5f, false), floor_corner);
