@@ -107,7 +107,7 @@ static rsv_status trace(const rsv_scene *scene, cli_baked_values *v, bool window
 {
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_surface_place *place = malloc((v->place_count + 1) * sizeof *place);
-    rsv_probe_reading *reading = malloc((v->place_count + 1) * sizeof *reading);
+    rsv_probe_reading *reading = calloc(v->place_count + 1, sizeof *reading);
     size_t count = 0, places_of_one = 1;
     for (size_t k = 0; place && k < v->count; k++) {
         if (v->value[k].in_window != windows) continue;
