@@ -1,10 +1,9 @@
 /// Surroundings that the runtime turns, and probes that it relights, against the library's relighting.
-#include "bake/bake_basis.h"
-#include "bake/bake_receiver.h"
 #include "relight/turned_surroundings.h"
 #include "resolvent/relight.h"
 #include "resolvent_rt_file.h"
 
+#include "bake_places.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
 
@@ -55,20 +54,10 @@ static void choose_receivers(open_box *b)
     }
 }
 
-static rsv_status read_places(
-    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
-{
-    const rsv_bake_receiver *receiver = reader->receiver;
-    for (size_t n = 0; n < reader->count; n++)
-        value[n] = rsv_bake_irradiance(light, &receiver[n]);
-    return RSV_OK;
-}
-
 static void write_basis(open_box *b)
 {
     rsv_bake_desc desc = rsv_default_bake_desc();
-    rsv_bake_reader reader = rsv_bake_surface_reader(
-        "point", b->receiver, b->receiver_count, read_places);
+    rsv_bake_reader reader = reader_of_places("point", b->receiver, b->receiver_count);
     size_t lights;
     desc.turns = TURNS;
     if (rsv_bake_write_basis(rsv_light_get_view(b->solution), &reader, &desc,
