@@ -105,4 +105,26 @@ static inline double once_along_line(
     return sigma * sum / h;
 }
 
+/// The same bytes for any number of threads. @param take a small picture of boxes in coloured fog
+static inline void assert_same_for_threads(
+    rsv_image *(*take)(world *w, const rsv_render_desc *desc))
+{
+    uint64_t hash[2];
+    for (int many = 0; many < 2; many++) {
+        world *w = world_builtin(many ? 3 : 1, "cornell-blocks");
+        rsv_fog fog = rsv_default_fog();
+        fog.extinction = rgb(1, 2, 3);
+        fog.albedo = rgb_gray(0.9f);
+        fill(w, fog);
+        rsv_render_desc desc = rsv_default_render_desc();
+        desc.width = desc.height = 16;
+        desc.samples = 4;
+        rsv_image *image = take(w, &desc);
+        hash[many] = hash_bytes(HASH_START, rsv_image_pixels(image, 0), 256 * sizeof(rsv_rgb));
+        rsv_image_destroy(image);
+        world_end(w);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
 #endif

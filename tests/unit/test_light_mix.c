@@ -1,6 +1,6 @@
 /// Pictures mixed from what each source shows, against pictures of the light itself.
 #include "frame_fixture.h"
-#include "resolvent/image.h"
+#include "picture_judge.h"
 #include "resolvent/lightmix.h"
 
 /// Mode operator shows diffuse surfaces without noise. What is left: each source is sharpened by itself, which is not what
@@ -188,17 +188,7 @@ static void mixed_noise_is_no_more(void **state)
     rsv_relight_desc change = with_factors(scale, rgb(2, 1, 0.5f), rgb(0.5f, 1, 2));
     rsv_image *mix = mixed(&s, &change), *fresh = rendered(&s, 16, 7);
     rsv_image *judge[2] = { rendered(&s, 64, 8), rendered(&s, 64, 9) };
-    const uint32_t all[2] = { 0, 0 };
-    rsv_image_judgement ours, theirs;
-    rsv_image_difference difference;
-    assert_int_equal(rsv_image_judge((const rsv_image *const *)judge, all, mix, 0, &ours), RSV_OK);
-    assert_int_equal(
-        rsv_image_judge((const rsv_image *const *)judge, all, fresh, 0, &theirs), RSV_OK);
-    assert_int_equal(rsv_image_compare(judge[0], 0, mix, 0, &difference), RSV_OK);
-    double allowed = theirs.relative_mse + 4 * theirs.relative_mse_error;
-    if (ours.relative_mse > allowed || fabs(difference.mean_ratio - 1) > 5e-3)
-        fail_msg("relative MSE %g, rendered anew %g; mean %g", ours.relative_mse,
-            theirs.relative_mse, difference.mean_ratio);
+    assert_errs_no_more(judge, mix, fresh);
     for (int k = 0; k < 2; k++)
         rsv_image_destroy(judge[k]);
     rsv_image_destroy(mix);

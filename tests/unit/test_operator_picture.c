@@ -1,6 +1,6 @@
 /// Pictures of mode operator made of frames, against those of rsv_render.
 #include "frame_fixture.h"
-#include "resolvent/image.h"
+#include "picture_judge.h"
 
 enum { samples = 16, judge_samples = 64 };
 
@@ -51,18 +51,7 @@ static void check_error(world *w)
     desc = picture_desc();
     frames = take(light, &desc, RSV_GLOSS_PATHS);
     assert_int_equal(rsv_render(light, &desc, &paths), RSV_OK);
-    const uint32_t all[2] = { 0, 0 };
-    rsv_image_judgement ours, theirs;
-    rsv_image_difference difference;
-    assert_int_equal(
-        rsv_image_judge((const rsv_image *const *)judge, all, frames, 0, &ours), RSV_OK);
-    assert_int_equal(
-        rsv_image_judge((const rsv_image *const *)judge, all, paths, 0, &theirs), RSV_OK);
-    assert_int_equal(rsv_image_compare(judge[0], 0, frames, 0, &difference), RSV_OK);
-    double allowed = theirs.relative_mse + 4 * theirs.relative_mse_error;
-    if (ours.relative_mse > allowed || fabs(difference.mean_ratio - 1) > 5e-3)
-        fail_msg("relative MSE %g, of paths %g; mean %g of theirs", ours.relative_mse,
-            theirs.relative_mse, difference.mean_ratio);
+    assert_errs_no_more(judge, frames, paths);
     for (int k = 0; k < 2; k++)
         rsv_image_destroy(judge[k]);
     rsv_image_destroy(frames);
