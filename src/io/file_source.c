@@ -140,17 +140,20 @@ rsv_status rsv_know_file(
 {
     size_t k = known->count;
     if (k == RSV_KNOWN_FILES || rsv_file_size(source, name) < 0) return RSV_OK;
+    char *bytes = NULL;
     known->count++;
     known->file[k].name = rsv_copy_string(context, name);
     if (!known->file[k].name) return RSV_ERROR_MEMORY;
-    return rsv_file_read(context, source, name, &known->file[k].bytes, &known->file[k].size);
+    rsv_status status = rsv_file_read(context, source, name, &bytes, &known->file[k].size);
+    known->file[k].bytes = bytes;
+    return status;
 }
 
 void rsv_forget_files(rsv_context *context, rsv_known_files *known)
 {
     for (size_t k = 0; k < known->count; k++) {
-        rsv_free(context, known->file[k].name);
-        rsv_free(context, known->file[k].bytes);
+        rsv_free(context, (void *)(uintptr_t)known->file[k].name);
+        rsv_free(context, (void *)(uintptr_t)known->file[k].bytes);
     }
     known->count = 0;
 }

@@ -30,7 +30,7 @@ char *rsv_stream_read(FILE *file, size_t *size);
 /// Files that are in memory.
 typedef struct rsv_known_files {
     struct {
-        char *name, *bytes;
+        const char *name, *bytes;
         size_t size;
     } file[RSV_KNOWN_FILES];
     size_t count;

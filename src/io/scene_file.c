@@ -135,30 +135,11 @@ rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **sc
     return rsv_scene_load_with(context, path, NULL, scene);
 }
 
-typedef struct memory_file {
-    const char *name;
-    const uint8_t *bytes;
-    size_t count;
-} memory_file;
-
-static int64_t memory_size(void *user, const char *path)
-{
-    const memory_file *file = user;
-    return strcmp(path, file->name) == 0 ? (int64_t)file->count : -1;
-}
-
-static size_t memory_read(void *user, const char *path, uint64_t offset, void *bytes, size_t count)
-{
-    (void)path;
-    memcpy(bytes, ((const memory_file *)user)->bytes + offset, count);
-    return count;
-}
-
 rsv_status rsv_scene_load_memory(rsv_context *context, const char *name, const void *bytes,
     size_t count, const rsv_load_desc *desc, rsv_scene **scene)
 {
-    memory_file file = { name, bytes, count };
-    const rsv_file_source source = { memory_size, memory_read, &file };
+    rsv_known_files known = { .file = { { name, bytes, count } }, .count = 1 };
+    const rsv_file_source source = rsv_known_source(&known);
     rsv_load_desc with = desc ? *desc : rsv_default_load_desc();
     with.files = &source;
     return rsv_scene_load_with(context, name, &with, scene);
