@@ -193,8 +193,9 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *t)
     memset(t, 0, sizeof *t);
     if (strcmp(note(file, "format"), "resolvent-operator") != 0)
         return fail(file, "it is not an operator file");
-    if (strcmp(note(file, "format_version"), "2") != 0)
-        return fail(file, "its format version is '%.16s', this loader reads 2",
+    if (strcmp(note(file, "format_version"), "2") != 0 &&
+        strcmp(note(file, "format_version"), "3") != 0)
+        return fail(file, "its format version is '%.16s', this loader reads 2 and 3",
             note(file, "format_version"));
     if (has(file, "subsurface.column"))
         return fail(
@@ -227,6 +228,18 @@ static int add(rsv_rt_file *file, const char *name, size_t count, float *sum)
     return 0;
 }
 
+/// Lights of a relit file are stored as they are by themselves. @param value [lights][floats]
+static int apply_scales(rsv_rt_file *file, uint32_t lights, size_t floats, float *value)
+{
+    if (!has(file, "light.scale")) return 0;
+    const float *scale = sized(file, "light.scale", "F32", 3 * (uint64_t)lights);
+    if (!scale) return -1;
+    for (uint32_t l = 0; l < lights; l++)
+        for (size_t k = 0; k < floats; k++)
+            value[l * floats + k] *= scale[3 * l + k % 3];
+    return 0;
+}
+
 /// Every light by itself, and what the rows gathered.
 static int add_parts(rsv_rt_file *file, uint32_t lights, size_t floats)
 {
@@ -238,6 +251,7 @@ static int add_parts(rsv_rt_file *file, uint32_t lights, size_t floats)
         snprintf(name, sizeof name, "light.%u.coarse_caustic", l);
         if (add(file, name, floats, value) != 0) return -1;
     }
+    if (apply_scales(file, lights, floats, file->owned) != 0) return -1;
     return add(file, "source.gathered", floats, file->owned + lights * floats);
 }
 

@@ -142,8 +142,8 @@ static void print_factors(FILE *to, const rsv_fit *fit)
         double share =
             0.2126 * (double)l.factor.r + 0.7152 * (double)l.factor.g + 0.0722 * (double)l.factor.b;
         print_cell(to, l.name);
-        fprintf(to, ",%.7g,%.7g,%.7g,%.6g\n", (double)l.factor.r, (double)l.factor.g,
-            (double)l.factor.b, l.lumens * share);
+        fprintf(to, ",%.7g,%.7g,%.7g,%.6g\n", (double)l.scale.r, (double)l.scale.g,
+            (double)l.scale.b, l.lumens * share);
     }
 }
 
@@ -207,7 +207,7 @@ static rsv_status relight(
     if (!scale) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < count; k++) {
         rsv_fit_light l = rsv_fit_get_light(fit, k);
-        scale[k] = (rsv_light_scale){ l.name, l.factor };
+        scale[k] = (rsv_light_scale){ l.name, l.scale };
     }
     rsv_status status = rsv_light_relight(
         subject->solution, &(rsv_relight_desc){ .light = scale, .light_count = count });

@@ -38,7 +38,8 @@ if arguments.light:
     k = json.loads(tensor.notes["light.name"]).index(name)
     parts = [tensor(part) for part in (f"light.{k}.source", f"light.{k}.coarse_caustic") if part in tensor.header]
     own = sum(parts) if parts else source  # the only light is the whole
-    source = source + (float(scale) - 1) * own
+    now = tensor("light.scale")[k] if "light.scale" in tensor.header else 1  # of a file that was relit
+    source = source + (float(scale) - now) * own
 
 rows = lambda name, weight: csr_matrix(
     (weight, tensor(name + "column").astype("i8"), tensor(name + "row_start").astype("i8")), (n, n))

@@ -280,7 +280,11 @@ size_t rsv_fit_light_count(const rsv_fit *f) { return f->responses->count; }
 
 rsv_fit_light rsv_fit_get_light(const rsv_fit *f, size_t k)
 {
-    return (rsv_fit_light){ f->responses->name[k], f->factor[k], f->lumens[k], f->kept[k] };
+    return (rsv_fit_light){ .name = f->responses->name[k],
+        .factor = f->factor[k],
+        .scale = rgb_mul(f->factor[k], f->responses->scale[k]),
+        .lumens = f->lumens[k],
+        .kept = f->kept[k] };
 }
 
 rsv_fit_report rsv_fit_get_report(const rsv_fit *f) { return f->report; }

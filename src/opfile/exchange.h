@@ -52,11 +52,18 @@ rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
 rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rsv_world *world,
     const rsv_elements *alike, rsv_elements **elements);
 
-/// Operator and light: elements, G, K, E0 and E.
-rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *light);
+/// A field [count] of RGB values that must be finite, and not negative where `least` is 0. It may be missing.
+rsv_status rsv_exchange_rgb(
+    rsv_tensor_file *file, const char *name, rsv_rgb **field, size_t count, float least);
+/// RSV_ERROR_FORMAT where an array is missing.
+rsv_status rsv_exchange_needed(const rsv_tensor_file *file, const char *name, const void *array);
+
+/// Operator and light: elements, G, K, E0 and E. @param gathered_scale of the emission that rows found
+rsv_status rsv_write_solution(
+    rsv_tensor_file *file, const rsv_light_view *light, rsv_rgb gathered_scale);
 rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_light **light);
 
-/// E0 light by light.
+/// E0 light by light; where sources are scaled, also how they stand, and all as they are by themselves.
 rsv_status rsv_write_basis(
     rsv_tensor_file *file, const rsv_light *light, const rsv_light_basis *basis);
 rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_light *light);

@@ -14,14 +14,15 @@
 
 #define FORMAT_NAME "resolvent-operator"
 #define FORMAT_VERSION 2
+#define SCALED_FORMAT_VERSION 3 ///< of files with sources that are scaled; others are as in version 2
 
 // ---- writing --------------------------------------------------------------------------------------
 
-static rsv_status write_provenance(rsv_tensor_file *file, const char *scene_name)
+static rsv_status write_provenance(rsv_tensor_file *file, const char *scene_name, bool scaled)
 {
     rsv_status status;
     char version[16];
-    snprintf(version, sizeof version, "%d", FORMAT_VERSION);
+    snprintf(version, sizeof version, "%d", scaled ? SCALED_FORMAT_VERSION : FORMAT_VERSION);
     RSV_TRY(rsv_note_set(file, "format", FORMAT_NAME));
     RSV_TRY(rsv_note_set(file, "format_version", version));
     RSV_TRY(rsv_note_set(file, "program_version", rsv_version()));
@@ -54,11 +55,16 @@ rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene
     rsv_status status = rsv_light_refuse_fog(s, "an operator file");
     if (status == RSV_OK) status = rsv_tensor_file_begin(s->context, path, &file);
     if (status != RSV_OK) return status;
-    RSV_TRY(write_provenance(&file, scene_name));
+    const rsv_light_basis *basis = s->basis;
+    if (!rsv_light_basis_is_known(basis)) {
+        RSV_TRY(rsv_light_basis_create(solution, &own));
+        basis = own;
+    }
+    bool scaled = rsv_light_basis_is_scaled(basis);
+    RSV_TRY(write_provenance(&file, scene_name, scaled));
     RSV_TRY(rsv_write_scene(&file, s->scene.scene));
-    RSV_TRY(rsv_write_solution(&file, s));
-    if (!s->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
-    RSV_TRY(rsv_write_basis(&file, solution, own ? own : s->basis));
+    RSV_TRY(rsv_write_solution(&file, s, scaled ? basis->gathered_scale : s->gathered_scale));
+    RSV_TRY(rsv_write_basis(&file, solution, basis));
     RSV_TRY(write_receivers(&file, receivers));
     if (!receivers) RSV_TRY(rsv_write_document(&file, s->scene.scene));
     RSV_TRY(rsv_tensor_file_write(&file));
@@ -121,11 +127,11 @@ static rsv_status check_provenance(const rsv_tensor_file *file)
             "%s: it is a safetensors file, but no operator; `resolvent solve` writes those",
             file->path);
     long version = strtol(text, NULL, 10);
-    if (version == FORMAT_VERSION) return RSV_OK;
+    if (version == FORMAT_VERSION || version == SCALED_FORMAT_VERSION) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "%s: its format version is %.16s, this program reads version %d: %s", file->path, text,
-        FORMAT_VERSION,
-        version > FORMAT_VERSION ? "use a newer Resolvent or solve anew" : "solve anew");
+        "%s: its format version is %.16s, this program reads versions %d and %d: %s", file->path,
+        text, FORMAT_VERSION, SCALED_FORMAT_VERSION,
+        version > SCALED_FORMAT_VERSION ? "use a newer Resolvent or solve anew" : "solve anew");
 }
 
 /// Messages of other rooms do not know of the file.

@@ -70,8 +70,7 @@ typedef struct parts {
 
 // ---- what both directions share -------------------------------------------------------------------
 
-/// A field [count] of RGB values that must be finite, and not negative where `least` is 0.
-static rsv_status exchange_rgb(
+rsv_status rsv_exchange_rgb(
     rsv_tensor_file *file, const char *name, rsv_rgb **field, size_t count, float least)
 {
     rsv_status status = rsv_tensor_exchange_optional(file, name, RSV_TENSOR_F32, 3, field, &count);
@@ -80,7 +79,7 @@ static rsv_status exchange_rgb(
     return status;
 }
 
-static rsv_status need(const rsv_tensor_file *file, const char *name, const void *array)
+rsv_status rsv_exchange_needed(const rsv_tensor_file *file, const char *name, const void *array)
 {
     return array ? RSV_OK : rsv_tensor_fail(file, name, "is missing");
 }
@@ -137,9 +136,10 @@ cleanup:
 static rsv_status exchange_gathered(rsv_tensor_file *file, rsv_transport *t, rsv_rgb scale)
 {
     rsv_status status;
-    if (file->reading) {
-        status = exchange_rgb(file, "gathered", &t->gathered, t->row_count, 0);
-        return status == RSV_OK ? need(file, "gathered", t->gathered) : status;
+    bool kept = scale.r == 1 && scale.g == 1 && scale.b == 1;
+    if (file->reading || kept) {
+        status = rsv_exchange_rgb(file, "gathered", &t->gathered, t->row_count, 0);
+        return status == RSV_OK ? rsv_exchange_needed(file, "gathered", t->gathered) : status;
     }
     rsv_rgb *scaled = rsv_alloc(file->context, t->row_count, sizeof *scaled);
     for (size_t n = 0; scaled && n < t->row_count; n++)
@@ -181,15 +181,15 @@ static rsv_status exchange_system(rsv_tensor_file *file, parts *p)
     size_t nodes = p->elements->node_count, valid = nodes;
     char name[32];
     rsv_tensor_prefix(file, NULL);
-    RSV_TRY(exchange_rgb(file, "albedo", &p->albedo, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "source", &p->field.source, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "source.gathered", &p->field.gathered, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "irradiance", &p->field.irradiance, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "shown.indirect", &p->field.indirect, nodes, -INFINITY));
+    RSV_TRY(rsv_exchange_rgb(file, "albedo", &p->albedo, nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "source", &p->field.source, nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "source.gathered", &p->field.gathered, nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "irradiance", &p->field.irradiance, nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "shown.indirect", &p->field.indirect, nodes, -INFINITY));
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         snprintf(name, sizeof name, "shown.order%u", k);
         if (!file->reading && k >= p->field.order_count) break;
-        RSV_TRY(exchange_rgb(file, name, &p->field.order[k], nodes, -INFINITY));
+        RSV_TRY(rsv_exchange_rgb(file, name, &p->field.order[k], nodes, -INFINITY));
         if (file->reading && p->field.order[k]) p->field.order_count = k + 1;
         if (!p->field.order[k]) break;
     }
@@ -197,12 +197,12 @@ static rsv_status exchange_system(rsv_tensor_file *file, parts *p)
         file, RSV_COARSE_PREFIX "valid_points", RSV_TENSOR_U16, 1, &p->valid_points, &valid));
     RSV_TRY(rsv_tensor_exchange_optional(
         file, RSV_COARSE_PREFIX "draw", RSV_TENSOR_U32, 1, &p->elements->node_draw, &valid));
-    RSV_TRY(need(file, "albedo", p->albedo));
-    RSV_TRY(need(file, "source", p->field.source));
-    RSV_TRY(need(file, "source.gathered", p->field.gathered));
-    RSV_TRY(need(file, "irradiance", p->field.irradiance));
-    RSV_TRY(need(file, "shown.indirect", p->field.indirect));
-    RSV_TRY(need(file, "shown.order0", p->field.order[0]));
+    RSV_TRY(rsv_exchange_needed(file, "albedo", p->albedo));
+    RSV_TRY(rsv_exchange_needed(file, "source", p->field.source));
+    RSV_TRY(rsv_exchange_needed(file, "source.gathered", p->field.gathered));
+    RSV_TRY(rsv_exchange_needed(file, "irradiance", p->field.irradiance));
+    RSV_TRY(rsv_exchange_needed(file, "shown.indirect", p->field.indirect));
+    RSV_TRY(rsv_exchange_needed(file, "shown.order0", p->field.order[0]));
 cleanup:
     return status;
 }
@@ -214,9 +214,9 @@ static rsv_status exchange_level(
     if (!level->elements) return RSV_OK;
     size_t nodes = level->elements->node_count;
     rsv_tensor_prefix(file, prefix);
-    RSV_TRY(exchange_rgb(
+    RSV_TRY(rsv_exchange_rgb(
         file, "irradiance", level->caustic ? &level->caustic : &level->direct, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "coarse", &level->coarse_caustic, coarse_nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "coarse", &level->coarse_caustic, coarse_nodes, 0));
 cleanup:
     return status;
 }
@@ -229,14 +229,14 @@ static rsv_status exchange_diffused(rsv_tensor_file *file, parts *p)
     if (!d->elements) return RSV_OK;
     size_t nodes = d->elements->node_count;
     rsv_tensor_prefix(file, RSV_DIFFUSED_PREFIX);
-    RSV_TRY(exchange_rgb(file, "entered", &d->entered, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "indirect", &d->indirect, nodes, -INFINITY));
-    RSV_TRY(need(file, "entered", d->entered));
-    RSV_TRY(need(file, "indirect", d->indirect));
+    RSV_TRY(rsv_exchange_rgb(file, "entered", &d->entered, nodes, 0));
+    RSV_TRY(rsv_exchange_rgb(file, "indirect", &d->indirect, nodes, -INFINITY));
+    RSV_TRY(rsv_exchange_needed(file, "entered", d->entered));
+    RSV_TRY(rsv_exchange_needed(file, "indirect", d->indirect));
     for (uint32_t k = 0; k < p->field.order_count; k++) {
         snprintf(name, sizeof name, "order%u", k);
-        RSV_TRY(exchange_rgb(file, name, &d->order[k], nodes, -INFINITY));
-        RSV_TRY(need(file, name, d->order[k]));
+        RSV_TRY(rsv_exchange_rgb(file, name, &d->order[k], nodes, -INFINITY));
+        RSV_TRY(rsv_exchange_needed(file, name, d->order[k]));
     }
 cleanup:
     return status;
@@ -308,7 +308,8 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *s)
+rsv_status rsv_write_solution(
+    rsv_tensor_file *file, const rsv_light_view *s, rsv_rgb gathered_scale)
 {
     rsv_status status;
     parts p = parts_of(s);
@@ -318,7 +319,7 @@ rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *s)
     RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &p.report));
     RSV_TRY(exchange_goal_points(file, &p));
     RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, scene, p.elements));
-    RSV_TRY(exchange_transport(file, rows, s->gathered_scale));
+    RSV_TRY(exchange_transport(file, rows, gathered_scale));
     RSV_TRY(write_subsurface(file, s->subsurface));
     RSV_TRY(exchange_system(file, &p));
     RSV_TRY(write_levels(file, scene, &p));
@@ -358,8 +359,8 @@ static rsv_status read_caustics(rsv_tensor_file *file, const rsv_world *world, p
     // both levels keep their field under the same name
     level->caustic = level->direct;
     level->direct = NULL;
-    if (level->elements) RSV_TRY(need(file, "irradiance", level->caustic));
-    if (level->elements) RSV_TRY(need(file, "coarse", level->coarse_caustic));
+    if (level->elements) RSV_TRY(rsv_exchange_needed(file, "irradiance", level->caustic));
+    if (level->elements) RSV_TRY(rsv_exchange_needed(file, "coarse", level->coarse_caustic));
 cleanup:
     return status;
 }
@@ -402,7 +403,7 @@ static rsv_status read_parts(rsv_tensor_file *file, const rsv_world *world, part
     RSV_TRY(exchange_system(file, p));
     RSV_TRY(rsv_read_elements(file, RSV_DIRECT_PREFIX, world, p->elements, &f->fine.elements));
     RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &f->fine, p->elements->node_count));
-    if (f->fine.elements) RSV_TRY(need(file, "irradiance", f->fine.direct));
+    if (f->fine.elements) RSV_TRY(rsv_exchange_needed(file, "irradiance", f->fine.direct));
     RSV_TRY(read_caustics(file, world, p));
     RSV_TRY(
         rsv_read_elements(file, RSV_DIFFUSED_PREFIX, world, p->elements, &f->diffused.elements));
@@ -457,103 +458,5 @@ cleanup:
     free_parts(world->context, &p);
     rsv_light_sources_release(sources);
     rsv_operator_release(op);
-    return status;
-}
-
-// ---- light by light -------------------------------------------------------------------------------
-
-static const char *const part_names[RSV_LIGHT_FIELDS] = { "source", "coarse_caustic", "direct",
-    "caustic" };
-
-/// Parts that a solution has no field for are left out.
-static rsv_status exchange_part(
-    rsv_tensor_file *file, const rsv_light *s, size_t index, rsv_light_part *part)
-{
-    rsv_status status = RSV_OK;
-    char prefix[32];
-    snprintf(prefix, sizeof prefix, "light.%zu.", index);
-    rsv_tensor_prefix(file, prefix);
-    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
-        size_t length = rsv_light_field_length(s, field);
-        rsv_rgb **array = rsv_light_part_field(part, field);
-        if (!length) continue;
-        RSV_TRY(exchange_rgb(file, part_names[field], array, length, 0));
-        if (file->reading) RSV_TRY(need(file, part_names[field], *array));
-    }
-cleanup:
-    return status;
-}
-
-/// A part as strong as it is now.
-static rsv_status write_part(
-    rsv_tensor_file *file, const rsv_light *s, size_t index, rsv_light_part *part, rsv_rgb scale)
-{
-    rsv_status status = RSV_OK;
-    char prefix[32];
-    if (scale.r == 1 && scale.g == 1 && scale.b == 1) return exchange_part(file, s, index, part);
-    snprintf(prefix, sizeof prefix, "light.%zu.", index);
-    rsv_tensor_prefix(file, prefix);
-    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
-        size_t length = rsv_light_field_length(s, field);
-        const rsv_rgb *value = *rsv_light_part_field(part, field);
-        if (!length || !value) continue;
-        rsv_rgb *scaled = rsv_alloc(file->context, length, sizeof *scaled);
-        for (size_t n = 0; scaled && n < length; n++)
-            scaled[n] = rgb_mul(scale, value[n]);
-        RSV_TRY(rsv_tensor_give(file, part_names[field], RSV_TENSOR_F32, 3, length, scaled));
-    }
-cleanup:
-    return status;
-}
-
-/// The part of a source; NULL = not known.
-static rsv_light_part *part_of(
-    const rsv_light_basis *basis, const rsv_source *source, rsv_rgb *scale)
-{
-    for (size_t k = 0; k < basis->source_count; k++) {
-        if (basis->source[k].kind != source->kind || basis->source[k].index != source->index)
-            continue;
-        *scale = basis->scale[k];
-        return &basis->part[k];
-    }
-    return NULL;
-}
-
-/// Of the sources that a reader will find: those that are black now are no lamps any more.
-rsv_status rsv_write_basis(rsv_tensor_file *file, const rsv_light *s, const rsv_light_basis *basis)
-{
-    rsv_status status;
-    rsv_source *source = NULL;
-    const char **name = NULL;
-    size_t count = 0;
-    RSV_TRY(rsv_list_sources(rsv_light_get_view(s)->lights, &source, &count));
-    name = rsv_alloc(file->context, count, sizeof *name);
-    RSV_TRY(name ? RSV_OK : RSV_ERROR_MEMORY);
-    for (size_t k = 0; k < count; k++)
-        name[k] = source[k].name;
-    RSV_TRY(rsv_write_names(file, "light.name", name, count));
-    for (size_t k = 0; count > 1 && k < count; k++) {
-        rsv_rgb scale = rgb_gray(1);
-        rsv_light_part *part = part_of(basis, &source[k], &scale);
-        if (part) RSV_TRY(write_part(file, s, k, part, scale));
-    }
-cleanup:
-    rsv_free(file->context, source);
-    rsv_free(file->context, name);
-    return status;
-}
-
-rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_light *s)
-{
-    rsv_status status;
-    rsv_light_basis *basis = NULL;
-    RSV_TRY(rsv_light_basis_create_empty(s, &basis));
-    bool many = rsv_light_keeps_parts(s, basis);
-    for (size_t k = 0; many && k < basis->source_count; k++)
-        RSV_TRY(exchange_part(file, s, k, &basis->part[k]));
-    rsv_light_set_basis(s, basis);
-    basis = NULL;
-cleanup:
-    rsv_light_basis_destroy(basis);
     return status;
 }

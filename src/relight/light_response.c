@@ -55,6 +55,7 @@ static void group_sources(builder *b)
         bool fresh = own == b->r->count;
         if (fresh) {
             b->r->definition[own] = source->name;
+            b->r->scale[own] = b->basis->scale[k];
             b->r->name[b->r->count++] = name;
         }
         if (gathered) b->gathered = own;
@@ -199,10 +200,11 @@ static rsv_status create_groups(builder *b)
     b->group = rsv_alloc(b->s->context, sources, sizeof *b->group);
     b->r->name = rsv_alloc(b->s->context, sources, sizeof *b->r->name);
     b->r->definition = rsv_alloc(b->s->context, sources, sizeof *b->r->definition);
+    b->r->scale = rsv_alloc(b->s->context, sources, sizeof *b->r->scale);
     b->r->light = rsv_alloc(b->s->context, sources, sizeof *b->r->light);
     b->r->view = rsv_alloc(b->s->context, sources, sizeof *b->r->view);
-    if (!b->group || !b->r->name || !b->r->definition || !b->r->light || !b->r->view)
-        return RSV_ERROR_MEMORY;
+    bool named = b->group && b->r->name && b->r->definition && b->r->scale;
+    if (!named || !b->r->light || !b->r->view) return RSV_ERROR_MEMORY;
     group_sources(b);
     return RSV_OK;
 }
@@ -224,9 +226,10 @@ rsv_status rsv_light_responses_create(const rsv_light *whole, rsv_light_response
     rsv_status status;
     const rsv_light_view *s = rsv_light_get_view(whole);
     rsv_light_basis *own = NULL;
-    builder b = {
-        .whole = whole, .s = s, .basis = s->basis, .r = rsv_alloc(s->context, 1, sizeof *b.r)
-    };
+    builder b = { .whole = whole,
+        .s = s,
+        .basis = rsv_light_basis_is_known(s->basis) ? s->basis : NULL,
+        .r = rsv_alloc(s->context, 1, sizeof *b.r) };
     RSV_TRY(b.r ? RSV_OK : RSV_ERROR_MEMORY);
     b.r->context = s->context;
     if (!b.basis) RSV_TRY(rsv_light_basis_create(whole, &own));
@@ -256,5 +259,6 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
     rsv_free(r->context, r->view);
     rsv_free(r->context, r->name);
     rsv_free(r->context, r->definition);
+    rsv_free(r->context, r->scale);
     rsv_free(r->context, r);
 }

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LARGEST_SCALE 1e6f
@@ -32,7 +33,14 @@ void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
 
 // ---- lights -----------------------------------------------------------------------------------
 
-static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const char *name)
+/// Which sources are meant.
+typedef struct selection {
+    const char *name;
+    bool own;      ///< the name is one of the sources' own; if not, it can be that of a node that placed a light
+    size_t number; ///< of the only source that is meant; SIZE_MAX = those of the name
+} selection;
+
+static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const selection *s)
 {
     char known[512] = "";
     for (size_t k = 0; k < home->source_count; k++) {
@@ -42,22 +50,39 @@ static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const 
         snprintf(known + used, sizeof known - used, placed ? "%s'%s' of node '%s'" : "%s'%s'",
             k ? ", " : "", source->name, placed ? source->node : "");
     }
-    return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there is no light '%s'; there are: %s", name,
+    return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there is no light '%s'; there are: %s", s->name,
         *known ? known : "none");
 }
 
-/// Whether a name is one of the sources' own. If not, it can be that of a node that placed a light.
-static bool is_own_name(const rsv_light_settings_home *home, const char *name)
+/// @param own whether to look at the sources' own names, or at those of nodes
+static bool is_known(const rsv_light_settings_home *home, const char *name, bool own)
 {
-    for (size_t k = 0; k < home->source_count; k++)
-        if (strcmp(home->source[k].name, name) == 0) return true;
+    for (size_t k = 0; k < home->source_count; k++) {
+        const char *called = own ? home->source[k].name : home->source[k].node;
+        if (called && strcmp(called, name) == 0) return true;
+    }
     return false;
 }
 
-static bool is_meant(const rsv_source *source, const char *name, bool own)
+/// The number in "#3"; SIZE_MAX = it is none.
+static size_t number_in(const char *name)
 {
-    const char *called = own ? source->name : source->node;
-    return called && strcmp(called, name) == 0;
+    size_t digits = name[0] == '#' ? strspn(name + 1, "0123456789") : 0;
+    bool whole = digits > 0 && digits < 10 && !name[1 + digits];
+    return whole ? (size_t)strtoul(name + 1, NULL, 10) : SIZE_MAX;
+}
+
+static selection select_sources(const rsv_light_settings_home *home, const char *name)
+{
+    bool own = is_known(home, name, true), called = own || is_known(home, name, false);
+    return (selection){ name, own, called ? SIZE_MAX : number_in(name) };
+}
+
+static bool is_meant(const rsv_light_settings_home *home, const selection *s, size_t k)
+{
+    if (s->number != SIZE_MAX) return k == s->number;
+    const char *called = s->own ? home->source[k].name : home->source[k].node;
+    return called && strcmp(called, s->name) == 0;
 }
 
 static bool is_scale(float value) { return value >= 0 && value <= LARGEST_SCALE; }
@@ -65,20 +90,20 @@ static bool is_scale(float value) { return value >= 0 && value <= LARGEST_SCALE;
 static rsv_status read_scale(
     const rsv_light_settings_home *home, const rsv_light_scale *light, rsv_light_settings *wanted)
 {
+    const selection meant = select_sources(home, light->name);
     bool known = false, gray = light->scale.r == light->scale.g && light->scale.g == light->scale.b;
     if (!is_scale(light->scale.r) || !is_scale(light->scale.g) || !is_scale(light->scale.b))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "relight: the factors of light '%s' must be from 0 to %g", light->name, LARGEST_SCALE);
-    const bool own = is_own_name(home, light->name);
+            "relight: the factors of light '%s' must be from 0 to %g", meant.name, LARGEST_SCALE);
     for (size_t k = 0; k < home->source_count; k++) {
-        if (!is_meant(&home->source[k], light->name, own)) continue;
+        if (!is_meant(home, &meant, k)) continue;
         if (home->source[k].kind == RSV_SOURCE_SURROUNDINGS && !gray)
             return rsv_fail(
                 RSV_ERROR_UNSUPPORTED, "relight: the environment takes one factor for all colours");
         wanted->scale[k] = light->scale;
         known = true;
     }
-    return known ? RSV_OK : fail_unknown_light(home, light->name);
+    return known ? RSV_OK : fail_unknown_light(home, &meant);
 }
 
 static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_source *source)
@@ -103,20 +128,20 @@ static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_s
 static rsv_status read_move(
     const rsv_light_settings_home *home, const rsv_light_move *move, rsv_light_settings *wanted)
 {
+    const selection meant = select_sources(home, move->name);
     bool known = false;
     rsv_vec3 offset = move->offset;
     if (!isfinite(offset.x + offset.y + offset.z) || v3_max_abs(offset) > LARGEST_OFFSET)
         return rsv_fail(RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be moved by more than %g m",
-            move->name, LARGEST_OFFSET);
-    const bool own = is_own_name(home, move->name);
+            meant.name, LARGEST_OFFSET);
     for (size_t k = 0; k < home->source_count; k++) {
-        if (!is_meant(&home->source[k], move->name, own)) continue;
+        if (!is_meant(home, &meant, k)) continue;
         rsv_status status = check_movable(home, &home->source[k]);
         if (status != RSV_OK) return status;
         wanted->offset[k] = offset;
         known = true;
     }
-    return known ? RSV_OK : fail_unknown_light(home, move->name);
+    return known ? RSV_OK : fail_unknown_light(home, &meant);
 }
 
 static bool can_turn(const rsv_light_settings_home *home, const rsv_source *source)
@@ -128,23 +153,23 @@ static bool can_turn(const rsv_light_settings_home *home, const rsv_source *sour
 static rsv_status read_aim(
     const rsv_light_settings_home *home, const rsv_light_aim *aim, rsv_light_settings *wanted)
 {
+    const selection meant = select_sources(home, aim->name);
     bool known = false;
     float length = v3_length(aim->direction);
     if (!(length > 0) || !isfinite(length))
         return rsv_fail(
-            RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be turned: no direction", aim->name);
-    const bool own = is_own_name(home, aim->name);
+            RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be turned: no direction", meant.name);
     for (size_t k = 0; k < home->source_count; k++) {
-        if (!is_meant(&home->source[k], aim->name, own)) continue;
+        if (!is_meant(home, &meant, k)) continue;
         if (!can_turn(home, &home->source[k]))
             return rsv_fail(RSV_ERROR_UNSUPPORTED,
                 "relight: light '%s' cannot be turned: only spot lights, luminaires and "
                 "directional lights can",
-                aim->name);
+                meant.name);
         wanted->aim[k] = v3_scale(aim->direction, 1 / length);
         known = true;
     }
-    return known ? RSV_OK : fail_unknown_light(home, aim->name);
+    return known ? RSV_OK : fail_unknown_light(home, &meant);
 }
 
 rsv_status rsv_gathered_scale(

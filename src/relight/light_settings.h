@@ -6,7 +6,7 @@
 #include "resolvent/relight.h"
 
 typedef struct rsv_light_settings {
-    rsv_rgb *scale;      ///< [source_count] factors of the strength that a source began with
+    rsv_rgb *scale;      ///< [source_count] factors of the strength that a source has by itself
     rsv_vec3 *offset;    ///< [source_count] metres from where it began
     rsv_vec3 *aim;       ///< [source_count] unit; 0 = the direction that it began with
     rsv_rgb *base_color; ///< [material_count]

@@ -155,11 +155,34 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
                   (rsv_is_gathered(lights, source->index) ||
                       rsv_emission_share(lights, source->index) > RSV_MOVABLE_SHARE);
     return (rsv_relight_source){ .name = source->name,
-        .strength = r->strength[k],
+        .strength = r->basis->strength[k],
         .scale = r->now.scale[k],
         .position = v3_add(r->place[k].centre, r->now.offset[k]),
         .movable = !distant && !stored,
-        .node = source->node };
+        .node = source->node,
+        .kind = (rsv_light_kind)source->kind,
+        .index = source->index };
+}
+
+_Static_assert((int)RSV_LIGHT_MATERIAL == RSV_SOURCE_MATERIAL &&
+                   (int)RSV_LIGHT_PUNCTUAL == RSV_SOURCE_LIGHT &&
+                   (int)RSV_LIGHT_SURROUNDINGS == RSV_SOURCE_SURROUNDINGS,
+    "kinds of sources are public under other names");
+
+uint32_t rsv_light_find_source(const rsv_light *s, rsv_light_kind kind, uint32_t index)
+{
+    const rsv_light_view *view = rsv_light_get_view(s);
+    const rsv_light_basis *basis = view->basis;
+    rsv_source *listed = NULL;
+    size_t count = 0;
+    uint32_t found = RSV_NONE;
+    if (!basis && rsv_list_sources(view->lights, &listed, &count) != RSV_OK) return RSV_NONE;
+    const rsv_source *source = basis ? basis->source : listed;
+    if (basis) count = basis->source_count;
+    for (size_t k = 0; k < count && found == RSV_NONE; k++)
+        if ((int)source[k].kind == (int)kind && source[k].index == index) found = (uint32_t)k;
+    rsv_free(view->context, listed);
+    return found;
 }
 
 rsv_status rsv_light_relight(rsv_light *s, const rsv_relight_desc *desc)

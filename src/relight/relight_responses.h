@@ -10,7 +10,7 @@ typedef struct rsv_relight_responses {
     rsv_context *context;
     size_t count;        ///< of responses
     size_t *of_source;   ///< [source_count] the response that a source belongs to
-    rsv_rgb *irradiance; ///< [node_count x count] at the strengths that the sources began with
+    rsv_rgb *irradiance; ///< [node_count x count] at the strengths that sources have by themselves
     rsv_rgb *shown;      ///< [node_count x count] the same without E0, as cameras look it up
 } rsv_relight_responses;
 

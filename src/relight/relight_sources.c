@@ -16,18 +16,6 @@ static rsv_light_settings_home home_of(const rsv_relighter *r)
         r->basis->source_count, &r->home };
 }
 
-rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source)
-{
-    switch (source->kind) {
-    case RSV_SOURCE_MATERIAL:
-        return &scene->material[source->index].emission;
-    case RSV_SOURCE_LIGHT:
-        return &scene->light[source->index].intensity;
-    default:
-        return NULL;
-    }
-}
-
 size_t rsv_surroundings_length(const rsv_scene *scene)
 {
     return (size_t)scene->environment.width * scene->environment.height;
@@ -37,30 +25,50 @@ size_t rsv_surroundings_length(const rsv_scene *scene)
 
 static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 
-/// @param factor of the pixels that they began with
-static rsv_status scale_environment(rsv_relighter *r, rsv_rgb factor)
+/// Keeps the pixels of surroundings before they are scaled for the first time.
+static rsv_status keep_environment(rsv_relighter *r)
 {
-    if (same_color(factor, r->environment_scale)) return RSV_OK;
-    rsv_status status = rsv_scene_vary_environment(r->scene);
-    if (status != RSV_OK) return status;
-    rsv_rgb *pixel = (rsv_rgb *)(uintptr_t)r->scene->environment.pixels;
-    for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
-        pixel[p] = rgb_mul(r->environment[p], factor);
-    r->environment_scale = factor;
+    size_t count = rsv_surroundings_length(r->scene);
+    rsv_rgb **kept = &r->basis->environment;
+    if (*kept) return RSV_OK;
+    *kept = rsv_alloc(r->context, count, sizeof **kept);
+    if (!*kept) return RSV_ERROR_MEMORY;
+    memcpy(*kept, r->scene->environment.pixels, count * sizeof **kept);
     return RSV_OK;
 }
 
-/// @param scale [source_count] NULL = the strengths that the sources began with
-static rsv_status set_strengths(rsv_relighter *r, const rsv_rgb *scale)
+static rsv_status scale_environment(rsv_relighter *r, rsv_rgb factor)
+{
+    rsv_status status = RSV_OK;
+    if (same_color(factor, r->environment_scale)) return RSV_OK;
+    RSV_TRY(keep_environment(r));
+    RSV_TRY(rsv_scene_vary_environment(r->scene));
+    rsv_rgb *pixel = (rsv_rgb *)(uintptr_t)r->scene->environment.pixels;
+    for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
+        pixel[p] = rgb_mul(r->basis->environment[p], factor);
+    r->environment_scale = factor;
+cleanup:
+    return status;
+}
+
+static void set_strength(rsv_scene *scene, const rsv_source *source, rsv_rgb strength)
+{
+    if (source->kind == RSV_SOURCE_MATERIAL)
+        scene->material[source->index].emission = strength;
+    else
+        scene->light[source->index].intensity = strength;
+}
+
+rsv_status rsv_relighter_set_strengths(rsv_relighter *r, const rsv_rgb *scale)
 {
     rsv_status status = RSV_OK;
     for (size_t k = 0; k < r->basis->source_count && status == RSV_OK; k++) {
+        const rsv_source *source = &r->basis->source[k];
         rsv_rgb factor = scale ? scale[k] : rgb_gray(1);
-        rsv_rgb *strength = rsv_source_strength(r->scene, &r->basis->source[k]);
-        if (strength)
-            *strength = rgb_mul(r->strength[k], factor);
-        else
+        if (source->kind == RSV_SOURCE_SURROUNDINGS)
             status = scale_environment(r, factor);
+        else
+            set_strength(r->scene, source, rgb_mul(r->basis->strength[k], factor));
     }
     return status;
 }
@@ -169,10 +177,10 @@ rsv_status rsv_relighter_find_lights(rsv_relighter *r)
     return RSV_OK;
 }
 
-/// Takes over where sources stand, at the strengths that they began with.
+/// Takes over where sources stand, at the strengths that they have by themselves.
 static rsv_status follow_lights(rsv_relighter *r, rsv_relighter_change_kind kind)
 {
-    rsv_status status = set_strengths(r, NULL);
+    rsv_status status = rsv_relighter_set_strengths(r, NULL);
     if (status != RSV_OK) return status;
     return kind == RSV_RELIGHTER_PLACES ? rsv_lights_follow(r->sources->lights)
                                         : rsv_relighter_find_lights(r);
@@ -216,7 +224,7 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
     rsv_light_settings_home home = home_of(r);
     rsv_rgb environment_scale = r->environment_scale;
     bool followed = false;
-    RSV_TRY(set_strengths(r, r->now.scale));
+    RSV_TRY(rsv_relighter_set_strengths(r, r->now.scale));
     if (kind == RSV_RELIGHTER_PLACES)
         RSV_TRY(rsv_light_follow_places(r->light));
     else if (kind == RSV_RELIGHTER_STRENGTHS && same_color(environment_scale, r->environment_scale))
@@ -227,7 +235,7 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
     memcpy(r->basis->scale, r->now.scale, r->basis->source_count * sizeof *r->now.scale);
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
         combine(r, field);
-    rsv_light_gather(r->light, rgb_mul(r->gathered_scale, gathered));
+    rsv_light_gather(r->light, rgb_mul(r->basis->gathered_scale, gathered));
 cleanup:
     return status;
 }
@@ -235,7 +243,8 @@ cleanup:
 void rsv_relighter_see_sky(const rsv_relighter *r, rsv_rgb *sky)
 {
     memset(sky, 0, rsv_relighter_nodes(r) * sizeof *sky);
-    if (r->environment) rsv_transport_environment(r->s->transport, r->sources->bin_radiance, sky);
+    if (r->scene->environment.pixels)
+        rsv_transport_environment(r->s->transport, r->sources->bin_radiance, sky);
 }
 
 // ---- changes --------------------------------------------------------------------------------------
@@ -320,10 +329,11 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_punctual_light *l
     const rsv_punctual_light *added = &r->scene->light[index];
     b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name, NULL };
     b->scale[k] = rgb_gray(1);
+    b->strength[k] = added->intensity;
+    b->gathered[k] = false;
     rsv_light_destroy(r->began); // without that light
     r->began = NULL;
     r->grown = true;
-    r->strength[k] = added->intensity;
     rsv_light_place_note(added, &r->place[k]);
     r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
     memset(r->moved, 0, k * sizeof *r->moved);

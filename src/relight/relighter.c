@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/// Has the light know its parts of E0, at the strengths that its sources have now.
+/// Has the light know its parts of E0.
 static rsv_status find_basis(rsv_relighter *r)
 {
     if (!r->s->basis) {
@@ -13,7 +13,6 @@ static rsv_status find_basis(rsv_relighter *r)
         rsv_light_set_basis(r->light, found);
     }
     r->basis = rsv_light_edit_basis(r->light);
-    rsv_light_basis_apply_scales(r->light, r->basis);
     return rsv_light_basis_check(r->light, r->basis);
 }
 
@@ -39,11 +38,13 @@ rsv_status rsv_relighter_make_room(rsv_relighter *r, size_t sources)
     RSV_TRY(widen(r->context, &b->source, count, to, sizeof *b->source));
     RSV_TRY(widen(r->context, &b->part, count, to, sizeof *b->part));
     RSV_TRY(widen(r->context, &b->scale, count, to, sizeof *b->scale));
+    RSV_TRY(widen(r->context, &b->strength, count, to, sizeof *b->strength));
+    RSV_TRY(widen(r->context, &b->gathered, count, to, sizeof *b->gathered));
+    RSV_TRY(widen(r->context, &b->stale, count, to, sizeof *b->stale));
     struct {
         void *array;
         size_t size;
-    } list[] = { { &r->strength, sizeof *r->strength }, { &r->place, sizeof *r->place },
-        { &r->stale, sizeof *r->stale }, { &r->moved, sizeof *r->moved },
+    } list[] = { { &r->place, sizeof *r->place }, { &r->stale, sizeof *r->stale }, { &r->moved, sizeof *r->moved },
         { &r->away, sizeof *r->away }, { &r->home_part, sizeof *r->home_part },
         { &r->began_part, sizeof *r->began_part }, { &r->summed, sizeof *r->summed },
         { &r->factor, sizeof *r->factor }, { &r->listed, 2 * sizeof *r->listed } };
@@ -59,7 +60,7 @@ cleanup:
     return status;
 }
 
-/// The part of a source that is the only one is all there is.
+/// The part of a source that is the only one, and was never scaled, is all there is.
 static rsv_status fill_single_part(rsv_relighter *r)
 {
     for (size_t field = 0; field < RSV_LIGHT_FIELDS && r->basis->source_count == 1; field++) {
@@ -82,19 +83,35 @@ static void note_movable(rsv_relighter *r)
 
 static void note_settings(rsv_relighter *r)
 {
-    for (size_t k = 0; k < r->basis->source_count; k++) {
-        const rsv_rgb *strength = rsv_source_strength(r->scene, &r->basis->source[k]);
-        r->strength[k] = strength ? *strength : rgb_gray(1);
-        r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
+    const rsv_light_basis *b = r->basis;
+    r->environment_scale = rgb_gray(1);
+    for (size_t k = 0; k < b->source_count; k++) {
+        r->home.scale[k] = r->now.scale[k] = b->scale[k];
+        r->stale[k] = b->stale[k];
+        if (b->source[k].kind == RSV_SOURCE_SURROUNDINGS) r->environment_scale = b->scale[k];
     }
     for (size_t m = 0; m < r->scene->material_count; m++)
         r->home.base_color[m] = r->now.base_color[m] = r->scene->material[m].base_color;
     r->home.rotation = r->now.rotation = r->scene->environment.rotation;
-    r->environment_scale = rgb_gray(1);
-    r->gathered_scale = r->s->gathered_scale;
-    if (r->environment)
-        memcpy(r->environment, r->scene->environment.pixels,
-            rsv_surroundings_length(r->scene) * sizeof *r->environment);
+    if (rsv_light_basis_is_known(b)) return;
+    r->settled = false;
+    r->residual = INFINITY;
+}
+
+/// The sources at the strengths that they have by themselves, found as rows found them.
+static rsv_status find_sources(rsv_relighter *r)
+{
+    const rsv_light_basis *b = r->basis;
+    rsv_status status;
+    RSV_TRY(rsv_relighter_set_strengths(r, NULL));
+    RSV_TRY(rsv_relighter_find_lights(r));
+    RSV_TRY(
+        rsv_lights_gather_sources(r->sources->lights, b->source, b->gathered, b->source_count));
+    RSV_TRY(rsv_relighter_set_strengths(r, r->now.scale));
+cleanup:
+    if (status != RSV_OK) (void)rsv_relighter_set_strengths(r, r->now.scale);
+    rsv_world_find_bsdfs(rsv_light_world(r->light));
+    return status;
 }
 
 static rsv_status allocate(rsv_relighter *r)
@@ -109,12 +126,7 @@ static rsv_status allocate(rsv_relighter *r)
     r->moves = rsv_alloc(r->context, materials, sizeof *r->moves);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
-    bool surrounded = r->scene->environment.pixels != NULL;
-    if (surrounded)
-        r->environment =
-            rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->moves && r->next && r->scratch && (r->environment || !surrounded) ? RSV_OK
-                                                                                : RSV_ERROR_MEMORY;
+    return r->moves && r->next && r->scratch ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 rsv_status rsv_relighter_map(rsv_relighter *r)
@@ -151,7 +163,7 @@ rsv_status rsv_relighter_create(rsv_light *light, rsv_relighter **relighter)
     RSV_TRY(allocate(r));
     note_settings(r);
     RSV_TRY(rsv_light_places_find(r->scene, r->basis->source, r->basis->source_count, r->place));
-    RSV_TRY(rsv_relighter_find_lights(r));
+    RSV_TRY(find_sources(r));
     note_movable(r);
     RSV_TRY(rsv_find_fine_valid(light, &r->valid));
     RSV_TRY(rsv_relighter_map(r));
@@ -167,9 +179,9 @@ void rsv_relighter_destroy(rsv_relighter *r)
     if (!r) return;
     rsv_context *context = r->context;
     size_t sources = r->basis ? r->basis->source_count : 0;
-    // parts that few rays found are no better than none
-    if (r->basis && r->stale && (r->behind || rsv_relighter_any_stale(r)))
-        rsv_light_set_basis(r->light, NULL);
+    if (r->basis && r->sources && sources)
+        memcpy(r->basis->stale, r->stale, sources * sizeof *r->stale);
+    if (r->behind) rsv_light_set_basis(r->light, NULL);
     for (size_t k = 0; r->home_part && k < sources; k++)
         rsv_light_part_free(context, &r->home_part[k]);
     for (size_t k = 0; r->began_part && k < sources; k++)
@@ -188,13 +200,11 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_free(context, (void *)r->summed);
     rsv_free(context, r->factor);
     rsv_free(context, (void *)r->listed);
-    rsv_free(context, r->strength);
     rsv_free(context, r->stale);
     rsv_free(context, r->moved);
     rsv_free(context, r->away);
     rsv_free(context, r->home_part);
     rsv_free(context, r->began_part);
-    rsv_free(context, r->environment);
     rsv_free(context, r->next);
     rsv_free(context, r->scratch);
     rsv_free(context, r->valid);

@@ -17,16 +17,13 @@ struct rsv_relighter {
     rsv_scene *scene;        ///< of that: its own
     rsv_light *began;        ///< a copy of the light as it was; NULL once a source was added
     rsv_light_basis
-        *basis; ///< the light's parts of E0, at the strengths that the sources began with
+        *basis; ///< the light's parts of E0, at the strengths that sources have by themselves
     rsv_light_part *home_part;  ///< [capacity] of sources that are away from where they began
     bool *away;                 ///< [capacity] those sources
     rsv_light_part *began_part; ///< [capacity] levels of parts at home before a refinement
     rsv_light_sources *sources; ///< at those strengths, where they stand now
     uint16_t *valid;            ///< receiver points of the direct level
-    rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths
-    rsv_rgb *environment;       ///< pixels at those strengths; NULL = no surroundings
     rsv_rgb environment_scale;  ///< that the scene's pixels have now
-    rsv_rgb *strength;          ///< [source_count]
     size_t capacity;            ///< sources that there is room for
     const rsv_rgb **summed;     ///< [capacity] scratch
     rsv_rgb *factor;            ///< [capacity] likewise
@@ -68,11 +65,11 @@ static inline bool rsv_relighter_any_stale(const rsv_relighter *r)
 /// Makes room for so many sources in all that lists them.
 rsv_status rsv_relighter_make_room(rsv_relighter *relighter, size_t sources);
 
-/// The strength of a source in the scene; NULL for surroundings.
-rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source);
-
 /// Pixels of the surroundings.
 size_t rsv_surroundings_length(const rsv_scene *scene);
+
+/// Gives sources of the scene their strengths. @param scale [source_count] NULL = those that they have by themselves
+rsv_status rsv_relighter_set_strengths(rsv_relighter *relighter, const rsv_rgb *scale);
 
 /// The lights of the scene as it stands, divided between rays that gather and rays that aim as the operator has it.
 rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
@@ -84,11 +81,11 @@ typedef enum rsv_relighter_change_kind {
     RSV_RELIGHTER_PLACES     ///< of lights, no more: nothing else need be looked at
 } rsv_relighter_change_kind;
 
-/// Samples sources, at the strengths that they began with. @param which [source_count]
+/// Samples sources, at the strengths that they have by themselves. @param which [source_count]
 rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
     rsv_relighter_change_kind kind, const rsv_light_effort *effort);
 
-/// What rows gather of the surroundings as they stand, at the strength that they began with; 0 without.
+/// What rows gather of the surroundings as they stand, at the strength that they have by themselves; 0 without.
 /// @param sky [node_count] out
 void rsv_relighter_see_sky(const rsv_relighter *relighter, rsv_rgb *sky);
 

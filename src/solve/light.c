@@ -218,6 +218,10 @@ rsv_status rsv_light_copy(const rsv_light *from, rsv_light **copy)
     RSV_TRY(rsv_light_assign(s, from));
     // a world that may be changed is nobody else's
     if (from->world->variant) RSV_TRY(rsv_light_part_world(s));
+    if (from->basis && rsv_light_basis_is_scaled(from->basis)) {
+        RSV_TRY(rsv_light_basis_copy(from->basis, s, &s->basis));
+        rsv_light_publish(s);
+    }
     *copy = s;
     s = NULL;
 cleanup:

@@ -50,22 +50,62 @@ void rsv_light_total(const rsv_light *s, size_t field, rsv_rgb *total)
     }
 }
 
+const rsv_rgb *rsv_source_strength(const rsv_scene_view *scene, const rsv_source *source)
+{
+    switch (source->kind) {
+    case RSV_SOURCE_MATERIAL:
+        return &scene->material[source->index].emission;
+    case RSV_SOURCE_LIGHT:
+        return &scene->light[source->index].intensity;
+    default:
+        return NULL;
+    }
+}
+
+rsv_status rsv_light_basis_allocate(rsv_context *context, size_t count, rsv_light_basis **basis)
+{
+    rsv_light_basis *b = *basis = rsv_alloc(context, 1, sizeof *b);
+    if (!b) return RSV_ERROR_MEMORY;
+    b->context = context;
+    b->source_count = count;
+    b->gathered_scale = rgb_gray(1);
+    b->source = rsv_alloc(context, count, sizeof *b->source);
+    b->part = rsv_alloc(context, count, sizeof *b->part);
+    b->scale = rsv_alloc(context, count, sizeof *b->scale);
+    b->strength = rsv_alloc(context, count, sizeof *b->strength);
+    b->gathered = rsv_alloc(context, count, sizeof *b->gathered);
+    b->stale = rsv_alloc(context, count, sizeof *b->stale);
+    bool complete = b->source && b->part && b->scale && b->strength && b->gathered && b->stale;
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+/// A source as the light has it.
+static void note_source(const rsv_light *s, const rsv_source *source, rsv_light_basis *b, size_t k)
+{
+    const rsv_rgb *strength = rsv_source_strength(s->scene.view, source);
+    b->source[k] = *source;
+    b->scale[k] = rgb_gray(1);
+    b->strength[k] = strength ? *strength : rgb_gray(1);
+    b->gathered[k] =
+        source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(s->sources->lights, source->index);
+}
+
 rsv_status rsv_light_basis_create_empty(const rsv_light *s, rsv_light_basis **basis)
 {
     rsv_status status;
-    rsv_light_basis *b = rsv_alloc(s->context, 1, sizeof *b);
-    if (!b) return RSV_ERROR_MEMORY;
-    b->context = s->context;
-    RSV_TRY(rsv_list_sources(s->sources->lights, &b->source, &b->source_count));
-    b->part = rsv_alloc(s->context, b->source_count, sizeof *b->part);
-    b->scale = rsv_alloc(s->context, b->source_count, sizeof *b->scale);
-    RSV_TRY(b->part && b->scale ? RSV_OK : RSV_ERROR_MEMORY);
-    for (size_t k = 0; k < b->source_count; k++)
-        b->scale[k] = rgb_gray(1);
+    rsv_source *source = NULL;
+    rsv_light_basis *b = NULL;
+    size_t count = 0;
+    RSV_TRY(rsv_list_sources(s->sources->lights, &source, &count));
+    RSV_TRY(rsv_light_basis_allocate(s->context, count, &b));
+    for (size_t k = 0; k < count; k++)
+        note_source(s, &source[k], b, k);
+    b->gathered_scale = s->gathered_scale;
     *basis = b;
     b = NULL;
 cleanup:
     rsv_light_basis_destroy(b);
+    rsv_free(s->context, source);
     return status;
 }
 
@@ -82,22 +122,91 @@ void rsv_light_basis_destroy(rsv_light_basis *b)
         rsv_light_part_free(b->context, &b->part[k]);
     rsv_free(b->context, b->part);
     rsv_free(b->context, b->scale);
+    rsv_free(b->context, b->strength);
+    rsv_free(b->context, b->gathered);
+    rsv_free(b->context, b->stale);
+    rsv_free(b->context, b->environment);
     rsv_free(b->context, b->source);
     rsv_free(b->context, b);
 }
 
-void rsv_light_basis_apply_scales(const rsv_light *s, rsv_light_basis *b)
+bool rsv_light_basis_is_scaled(const rsv_light_basis *b)
+{
+    bool any = false;
+    for (size_t k = 0; k < b->source_count; k++)
+        any = any || b->scale[k].r != 1 || b->scale[k].g != 1 || b->scale[k].b != 1;
+    return any;
+}
+
+bool rsv_light_basis_is_known(const rsv_light_basis *b)
+{
+    bool any = false;
+    for (size_t k = 0; b && k < b->source_count; k++)
+        any = any || b->stale[k];
+    return b && !any;
+}
+
+void rsv_light_basis_name_sources(rsv_light_basis *b, const rsv_scene_view *scene)
 {
     for (size_t k = 0; k < b->source_count; k++) {
-        rsv_rgb scale = b->scale[k];
-        if (scale.r == 1 && scale.g == 1 && scale.b == 1) continue;
-        for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
-            rsv_rgb *value = *rsv_light_part_field(&b->part[k], field);
-            for (size_t n = 0; value && n < rsv_light_field_length(s, field); n++)
-                value[n] = rgb_mul(scale, value[n]);
-        }
-        b->scale[k] = rgb_gray(1);
+        rsv_source *source = &b->source[k];
+        if (source->kind == RSV_SOURCE_MATERIAL)
+            source->name = scene->material[source->index].name;
+        else if (source->kind == RSV_SOURCE_LIGHT)
+            source->name = scene->light[source->index].name;
+        else
+            source->name = "environment";
+        source->node = source->kind == RSV_SOURCE_LIGHT ? scene->light_node[source->index] : NULL;
     }
+}
+
+/// @param copy out, to be freed; NULL where there is nothing to copy
+static rsv_status copy_field(
+    rsv_context *context, const rsv_rgb *from, size_t length, rsv_rgb **copy)
+{
+    if (!from || !length) return RSV_OK;
+    *copy = rsv_alloc(context, length, sizeof **copy);
+    if (!*copy) return RSV_ERROR_MEMORY;
+    memcpy(*copy, from, length * sizeof **copy);
+    return RSV_OK;
+}
+
+static rsv_status copy_part(const rsv_light *s, rsv_light_part *from, rsv_light_part *to)
+{
+    rsv_status status = RSV_OK;
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        RSV_TRY(copy_field(s->context, *rsv_light_part_field(from, field),
+            rsv_light_field_length(s, field), rsv_light_part_field(to, field)));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_light_basis_copy(
+    const rsv_light_basis *from, const rsv_light *s, rsv_light_basis **copy)
+{
+    rsv_status status;
+    rsv_light_basis *b = NULL;
+    size_t count = from->source_count;
+    const rsv_environment *sky = s->scene.view->environment;
+    RSV_TRY(rsv_light_basis_allocate(s->context, count, &b));
+    b->gathered_scale = from->gathered_scale;
+    for (size_t k = 0; k < count; k++) {
+        b->source[k] = from->source[k];
+        b->scale[k] = from->scale[k];
+        b->strength[k] = from->strength[k];
+        b->gathered[k] = from->gathered[k];
+        b->stale[k] = from->stale[k];
+        RSV_TRY(copy_part(s, &from->part[k], &b->part[k]));
+    }
+    if (sky)
+        RSV_TRY(copy_field(
+            s->context, from->environment, (size_t)sky->width * sky->height, &b->environment));
+    rsv_light_basis_name_sources(b, s->scene.view);
+    *copy = b;
+    b = NULL;
+cleanup:
+    rsv_light_basis_destroy(b);
+    return status;
 }
 
 static size_t bytes_of_parts(const rsv_light *s, const rsv_light_basis *b)

@@ -21,12 +21,18 @@ typedef struct rsv_light_part {
 
 #define RSV_LIGHT_FIELDS 4
 
+/// Parts and strengths are those of sources by themselves, unscaled: a source that is switched off is still known.
 typedef struct rsv_light_basis {
     rsv_context *context;
     size_t source_count;
-    rsv_source *source;   ///< [source_count] names are the scene's
-    rsv_light_part *part; ///< [source_count]
-    rsv_rgb *scale;       ///< [source_count] factor by which the part counts
+    rsv_source *source;     ///< [source_count] names are the scene's
+    rsv_light_part *part;   ///< [source_count]
+    rsv_rgb *scale;         ///< [source_count] factor by which the part counts
+    rsv_rgb *strength;      ///< [source_count] radiance or intensity; of surroundings 1
+    bool *gathered;         ///< [source_count] whether rows found it
+    bool *stale;            ///< [source_count] whether only few rays found the part
+    rsv_rgb gathered_scale; ///< factor of the emission that rows gathered
+    rsv_rgb *environment;   ///< pixels of surroundings that are scaled; NULL = as the scene has them
 } rsv_light_basis;
 
 /// The fields of a part in order, and how long they are; 0 = the solution has none.
@@ -61,8 +67,22 @@ rsv_status rsv_light_part_estimate(const struct rsv_light *solution, const rsv_l
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 
-/// Multiplies parts by their factors, which are 1 then.
-void rsv_light_basis_apply_scales(const struct rsv_light *solution, rsv_light_basis *basis);
+/// Whether any source is not as strong as it is by itself.
+bool rsv_light_basis_is_scaled(const rsv_light_basis *basis);
+/// Whether each part has all its rays. @param basis may be NULL
+bool rsv_light_basis_is_known(const rsv_light_basis *basis);
+
+/// @param basis of `from` @param solution a copy of that light, whose sources are named in the copy
+rsv_status rsv_light_basis_copy(
+    const rsv_light_basis *basis, const struct rsv_light *solution, rsv_light_basis **copy);
+/// A basis of so many sources, without any. @param basis out
+rsv_status rsv_light_basis_allocate(
+    rsv_context *context, size_t source_count, rsv_light_basis **basis);
+/// Takes over names and nodes from a scene.
+void rsv_light_basis_name_sources(rsv_light_basis *basis, const rsv_scene_view *scene);
+
+/// The strength of a source in a scene; NULL for surroundings.
+const rsv_rgb *rsv_source_strength(const rsv_scene_view *scene, const rsv_source *source);
 
 /// Memory for the parts of all sources at most.
 #define RSV_MAX_PART_BYTES ((size_t)2 << 30)

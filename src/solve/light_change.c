@@ -117,6 +117,12 @@ void rsv_light_gather(rsv_light *s, rsv_rgb scale)
     rsv_light_publish(s);
 }
 
+void rsv_light_restore_gathered(rsv_light *s, rsv_rgb scale)
+{
+    s->gathered_scale = scale;
+    rsv_light_publish(s);
+}
+
 rsv_status rsv_light_diffuse(rsv_light *s)
 {
     rsv_light_fields *f = &s->field;

@@ -33,6 +33,9 @@ rsv_status rsv_light_follow_places(rsv_light *light);
 /// next-event estimates that `source` was set to.
 void rsv_light_gather(rsv_light *light, rsv_rgb scale);
 
+/// Sets that factor alone, of a light that has the rest already.
+void rsv_light_restore_gathered(rsv_light *light, rsv_rgb scale);
+
 /// Takes over the colours that some materials have now, the same all over each: another operator, of the same rows.
 /// RSV_ERROR_SCENE, and all as it was, where light would never die out. @param changed [material_count]
 rsv_status rsv_light_recolor(rsv_light *light, const bool *changed);

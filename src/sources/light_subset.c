@@ -123,6 +123,16 @@ void rsv_light_subset_destroy(rsv_lights *subset)
     rsv_free(subset->context, subset);
 }
 
+/// Emitters of groups that are not gathered.
+static rsv_status list_sampled(rsv_lights *lights)
+{
+    lights->sampled_count = 0;
+    for (size_t k = 0; k < lights->emitter_count; k++)
+        if (!lights->group[lights->emitter[k].group].gathered)
+            lights->sampled[lights->sampled_count++] = (uint32_t)k;
+    return rsv_lights_plant_trees(lights);
+}
+
 rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like)
 {
     for (size_t g = 0; g < lights->group_count; g++) {
@@ -131,9 +141,16 @@ rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like)
         if (twin != RSV_NONE)
             lights->group[g].gathered = like->group[like->emitter[twin].group].gathered;
     }
-    lights->sampled_count = 0;
-    for (size_t k = 0; k < lights->emitter_count; k++)
-        if (!lights->group[lights->emitter[k].group].gathered)
-            lights->sampled[lights->sampled_count++] = (uint32_t)k;
-    return rsv_lights_plant_trees(lights);
+    return list_sampled(lights);
+}
+
+rsv_status rsv_lights_gather_sources(
+    rsv_lights *lights, const rsv_source *source, const bool *gathered, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        for (size_t g = 0; g < lights->group_count; g++)
+            if (source[k].kind == RSV_SOURCE_MATERIAL &&
+                material_of(lights, &lights->group[g]) == source[k].index)
+                lights->group[g].gathered = gathered[k];
+    return list_sampled(lights);
 }

@@ -30,6 +30,10 @@ void rsv_light_subset_destroy(rsv_lights *subset);
 /// Lets the same emitters be found by gathering as in `like`, lights of the same scene at other strengths.
 rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like);
 
+/// Lets materials be found by gathering, or not. @param source, gathered [count] those of other kinds are skipped
+rsv_status rsv_lights_gather_sources(
+    rsv_lights *lights, const rsv_source *source, const bool *gathered, size_t count);
+
 /// Whether a material emits and is found by gathering.
 bool rsv_is_gathered(const rsv_lights *lights, uint32_t material);
 

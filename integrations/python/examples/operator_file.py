@@ -66,6 +66,8 @@ assert error < 1e-5
 # %% Relit: light by light, where the file has several
 names = json.loads(header["__metadata__"].get("light.name", "[]"))
 parts = {name: tensor(f"light.{k}.source") for k, name in enumerate(names) if f"light.{k}.source" in header}
+if "light.scale" in header:  # lights that were scaled are stored as they are by themselves
+    parts = {name: part * scale for (name, part), scale in zip(parts.items(), tensor("light.scale"))}
 for name, part in parts.items():
     print(f"{name}: {100 * part.sum() / source.sum():.1f} % of the direct light")
 
