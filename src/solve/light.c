@@ -313,8 +313,12 @@ rsv_rgb rsv_light_view_scattered(
     const rsv_light_view *s, uint32_t node, uint32_t order, bool skip_sampled)
 {
     rsv_rgb e = rgb_gray(0);
-    if (order == 0)
-        e = skip_sampled ? s->gathered[node] : s->source[node];
+    if (order == 0 && !skip_sampled)
+        e = s->source[node];
+    else if (order == 0)
+        e = s->caustics.coarse_caustic
+                ? rgb_add(s->gathered[node], s->caustics.coarse_caustic[node])
+                : s->gathered[node];
     else if (order == RSV_NONE)
         e = s->indirect[node];
     else if (order < s->order_count)

@@ -209,6 +209,29 @@ static void slabs_reflect_and_transmit_as_chandrasekhar_says(void **state)
     world_end(w);
 }
 
+/// A mirror sends a beam back into a slab: as a slab twice as thick, what this reflects and transmits leaves on one side. The
+/// beam itself, exp(-thickness), comes to no probe by way of a mirror.
+static void mirrors_send_the_sun_into_fog(void **state)
+{
+    (void)state;
+    static const double exact[3] = { 0.2025058 + 0.7974939 - 0.6065307,
+        0.2108463 + 0.5413993 - 0.3678794, 0.4287211 + 0.4093064 - 0.1353353 };
+    world *w = world_begin(2);
+    estimate read[3];
+    add_mirrors(w, 0, 0.7f);
+    world_quad(w, world_material(w, mirror_material(1)), v3(-0.5f, 0, 0.5f), v3(0.5f, 0, 0.5f),
+        v3(0.5f, 0, -0.5f), v3(-0.5f, 0, -0.5f));
+    add_sun(w);
+    fill(w, box_of_fog(rgb(0.5f, 1, 2), rgb(1, 0.8f, 0.95f), v3(-0.5f, 0, -0.5f),
+                v3(0.5f, 0.5f, 0.5f)));
+    rsv_light *light = solve_with(w, 2000, 128);
+    read_probe(light, v3(0, 0.6f, 0), v3(0, -1, 0), 1 << 16, read);
+    for (int k = 0; k < 3; k++)
+        check("reflected above a mirror", read[k], exact[k]);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
 /// The radiance of half spaces under a beam: omega / 4 pi mu0 / (mu + mu0) H(mu) H(mu0), for omega = 0.9 and 0.5.
 static void half_spaces_shine_by_chandrasekhars_h(void **state)
 {
@@ -417,6 +440,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
         cmocka_unit_test(lossless_fog_is_invisible_under_an_even_sky),
         cmocka_unit_test(fog_loses_no_light),
+        cmocka_unit_test(mirrors_send_the_sun_into_fog),
         cmocka_unit_test(no_light_leaks_through_walls),
         cmocka_unit_test(the_certificate_knows_fog),
         cmocka_unit_test(fog_does_not_depend_on_threads),
