@@ -29,8 +29,7 @@ bool rsv_photon_cross_fog(const rsv_transport_scene *scene, rsv_specular_path *p
     bool leaves = move == RSV_SPECULAR_LEFT_SCENE;
     if (move == RSV_SPECULAR_LOST) return false;
     if (path->medium.depth || !(leaves || path->length > 0)) return !leaves;
-    if (scene->view->fog->anisotropy != 0)
-        return meets_surface(scene, path, leaves, random, air);
+    if (scene->view->fog->anisotropy != 0) return meets_surface(scene, path, leaves, random, air);
     tell(scene, path, leaves, air);
     if (!leaves) rsv_specular_dim(scene, path);
     return !leaves;
@@ -49,7 +48,8 @@ static double optical_length(const air_beam *b, int c, double begin, double end)
 {
     double sigma = (double)(&b->fog->extinction.r)[c];
     double near = rsv_fog_column(&b->run, begin), far = rsv_fog_column(&b->run, end);
-    double length = sigma > 0 ? exp(-sigma * near) * -expm1(-sigma * (far - near)) / sigma : far - near;
+    double length =
+        sigma > 0 ? exp(-sigma * near) * -expm1(-sigma * (far - near)) / sigma : far - near;
     return length * (double)b->mean;
 }
 
