@@ -375,23 +375,6 @@ static void fog_loses_no_light(void **state)
     }
 }
 
-/// What elements of surfaces absorb, W.
-static double power_at_walls(const rsv_light *light)
-{
-    const rsv_operator *op = rsv_light_operator(light);
-    const rsv_rgb *irradiance = rsv_light_irradiance_field(light);
-    size_t count = rsv_operator_element_count(op);
-    rsv_element *element = calloc(count, sizeof *element);
-    double power = 0;
-    assert_int_equal(rsv_operator_elements(op, element), RSV_OK);
-    for (size_t n = 0; n < count; n++)
-        if (element[n].triangle != UINT32_MAX)
-            power += (double)element[n].area * (double)irradiance[n].g *
-                     (1 - (double)element[n].albedo.g);
-    free(element);
-    return power;
-}
-
 /// The same where a mirror sends part of it into the fog, whose phase function is even or not. Probes do not see what mirrors
 /// send straight to them, so the walls' own elements are asked.
 static void fog_loses_no_light_of_mirrors(void **state)
