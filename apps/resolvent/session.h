@@ -80,13 +80,13 @@ typedef struct cli_session {
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_READING_HELP                                                                           \
-    "  --light-units U    units of the file's lights: watt (W/sr, W/m2), photometric (candela and lux,\n"\
-    "                     divided by 683 lm/W), or auto (default): known from the exporting program\n"\
-    "  --two-sided        treat single-sided materials of the file as double-sided\n"              \
-    "  --emit SIDES       emissive materials emit from: file (default), as the file says; or both sides\n"\
-    "  --variant NAME     use this material variant of a glTF file\n"                              \
-    "  --luminaire NAME=FILE  replace the light NAME, or add to the node or object NAME, a measured\n"\
+#define CLI_READING_HELP                                                                                   \
+    "  --light-units U    units of the file's lights: watt (W/sr, W/m2), photometric (candela and lux,\n"  \
+    "                     divided by 683 lm/W), or auto (default): known from the exporting program\n"     \
+    "  --two-sided        treat single-sided materials of the file as double-sided\n"                      \
+    "  --emit SIDES       emissive materials emit from: file (default), as the file says; or both sides\n" \
+    "  --variant NAME     use this material variant of a glTF file\n"                                      \
+    "  --luminaire NAME=FILE  replace the light NAME, or add to the node or object NAME, a measured\n"     \
     "                     luminaire (.ies, .ldt); * matches any text\n"
 
 extern const char *const cli_light_unit_names[], *const cli_emit_names[];
@@ -123,10 +123,10 @@ typedef struct cli_environment {
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_ENVIRONMENT_HELP                                                                       \
-    "  --env FILE         environment: a latitude-longitude picture (.hdr, .exr), or white (radiance 1\n"\
-    "                     from everywhere), or sky (a clear sky with its own sun)\n"               \
-    "  --env-intensity S  multiply the environment by S (default 1)\n"                             \
+#define CLI_ENVIRONMENT_HELP                                                                              \
+    "  --env FILE         environment: a latitude-longitude picture (.hdr, .exr), or white (radiance 1\n" \
+    "                     from everywhere), or sky (a clear sky with its own sun)\n"                      \
+    "  --env-intensity S  multiply the environment by S (default 1)\n"                                    \
     "  --env-rotate DEG   rotate it about the vertical, counter-clockwise from above (default 0)\n"
 
 // clang-format off
@@ -137,11 +137,11 @@ typedef struct cli_environment {
       .goes_with = "--fog" }
 // clang-format on
 
-#define CLI_FOG_HELP                                                                               \
-    "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n"\
-    "                     cosine G of the scattering angle (default 0); E and A may be R:G:B. Supported\n"\
-    "                     by render, probe and certify\n"                                          \
-    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n"\
+#define CLI_FOG_HELP                                                                                     \
+    "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n"   \
+    "                     cosine G of the scattering angle (default 0); E and A may be R:G:B. Not for\n" \
+    "                     bake and view\n"                                                               \
+    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n"   \
     "                     --mode reference\n"
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
