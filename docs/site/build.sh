@@ -10,7 +10,7 @@ cd "$root"
 rm -rf "$out/pages" "$out/html"
 mkdir "$out/pages"
 cp --parents README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md LICENSE docs/*.md docs/figures/* docs/site/style.css \
-    docs/site/search.js src/README.md web/rt/README.md samples/README.md samples/*.c samples/*/*.{c,h,py} \
+    docs/site/site.js src/README.md web/rt/README.md samples/README.md samples/*.c samples/*/*.{c,h,py} \
     include/resolvent/*.h integrations/python/examples/*.py "$out/pages"
 [[ ! -d docs/benchmarks ]] || cp -r docs/benchmarks "$out/pages/docs"
 sed -e "s|^docs_dir:.*|docs_dir: $out/pages|; s|^site_dir:.*|site_dir: $out/html|" \

@@ -1,4 +1,4 @@
-// The menu of small screens, and search without a server: `searchIndex` lists every section of the site (search_index.py). A section is found if it holds
+// Wide tables, the menu of small screens, and search without a server: `searchIndex` lists every section of the site (search_index.py). A section is found if it holds
 // all words; words in its title count more, and whole words more than beginnings.
 (function () {
     "use strict";
@@ -27,6 +27,17 @@
             .sort(function (a, b) { return b.score - a.score; })
             .slice(0, most);
     }
+
+    // wide tables scroll by themselves
+    document.querySelectorAll(".rst-content table").forEach(function (table) {
+        var frame = document.createElement("div");
+        frame.className = "wide";
+        frame.tabIndex = 0;
+        frame.setAttribute("role", "region");
+        frame.setAttribute("aria-label", "Table");
+        table.parentNode.insertBefore(frame, table);
+        frame.appendChild(table);
+    });
 
     // on a phone, the button shows and hides the contents
     document.querySelector("button[data-toggle=wy-nav-top]").addEventListener("click", function () {
