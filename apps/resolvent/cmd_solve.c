@@ -173,7 +173,6 @@ int cli_solve(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
-    session.clear_air = "an operator file";
     session.keep_document = !s.no_document;
     exit_status = run(&session, &s);
     cli_session_end(&session);
