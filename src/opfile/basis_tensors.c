@@ -200,7 +200,8 @@ static rsv_status write_unscaled(
     for (size_t k = 0; k < count; k++)
         name[k] = source[k].name;
     RSV_TRY(rsv_write_names(file, PREFIX "name", name, count));
-    for (size_t k = 0; count > 1 && k < count; k++) {
+    bool apart = rsv_light_has_parts(rsv_light_get_view(s)) && count > 1;
+    for (size_t k = 0; apart && k < count; k++) {
         rsv_light_part *part = part_of(basis, &source[k]);
         if (part) RSV_TRY(exchange_part(file, s, k, part));
     }

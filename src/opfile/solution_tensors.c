@@ -319,6 +319,7 @@ rsv_status rsv_write_solution(
     RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &p.report));
     RSV_TRY(exchange_goal_points(file, &p));
     RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, scene, p.elements));
+    RSV_TRY(rsv_write_voxels(file, p.elements));
     RSV_TRY(exchange_transport(file, rows, gathered_scale));
     RSV_TRY(write_subsurface(file, s->subsurface));
     RSV_TRY(exchange_system(file, &p));
@@ -398,6 +399,7 @@ static rsv_status read_parts(rsv_tensor_file *file, const rsv_world *world, part
     rsv_light_fields *f = &p->field;
     RSV_TRY(read_notes(file, p));
     RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, world, NULL, &p->elements));
+    RSV_TRY(rsv_read_voxels(file, p->elements));
     RSV_TRY(read_transport(file, world->context, p));
     RSV_TRY(read_subsurface(file, world->context, p));
     RSV_TRY(exchange_system(file, p));

@@ -33,7 +33,9 @@ static world *yard(void)
 static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 200;
+    desc.element_target = 60;
+    desc.direct_levels = 1;
+    desc.photon_count = 0;
     desc.rays_per_element = 64;
     desc.refinements = 0;
     desc.tolerance = 1e-6f;
