@@ -144,6 +144,7 @@ RSV_API const rsv_scene *rsv_light_scene(const rsv_light *light);
 RSV_API uint32_t rsv_light_order_count(const rsv_light *light);
 
 /// Solved irradiance (W/m2, light that enters the diffuse lobe) at a point of a triangle.
+/// @param u, v barycentric weights of the triangle's corners 1 and 2: from 0 on, with a sum of at most 1
 /// @param order one Neumann order, or RSV_NONE = their sum
 /// @param back_side the back of a double-sided surface
 RSV_API rsv_rgb rsv_light_irradiance(

@@ -110,7 +110,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
 endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
-    rough_sky sides subsurface translucent PROPERTIES LABELS slow)
+    rough_sky sides subsurface translucent relight_again PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         plan random_scenes shadows update)
     rsv_add_part(${name} slow)
