@@ -40,8 +40,9 @@ RSV_API rsv_fit_desc rsv_default_fit_desc(void);
 typedef struct rsv_fit_light {
     const char *name; ///< as in rsv_light_scale
     rsv_rgb factor;   ///< of its present strength
-    rsv_rgb scale;    ///< the same of the strength that it has in the scene: what rsv_light_relight takes
-    double lumens;    ///< at its present strength; of surroundings and distant lights 0
+    rsv_rgb
+        scale; ///< the same of the strength that it has in the scene: what rsv_light_relight takes
+    double lumens; ///< at its present strength; of surroundings and distant lights 0
     bool kept;
 } rsv_fit_light;
 

@@ -83,8 +83,8 @@ static size_t place_of(const rsv_scene_view *scene, const standing *row)
     }
 }
 
-static rsv_status check_standing(rsv_tensor_file *file, const rsv_scene_view *scene,
-    const standing *row, size_t count)
+static rsv_status check_standing(
+    rsv_tensor_file *file, const rsv_scene_view *scene, const standing *row, size_t count)
 {
     rsv_status status = RSV_OK;
     bool *taken =

@@ -14,7 +14,8 @@
 
 #define FORMAT_NAME "resolvent-operator"
 #define FORMAT_VERSION 2
-#define SCALED_FORMAT_VERSION 3 ///< of files with sources that are scaled; others are as in version 2
+#define SCALED_FORMAT_VERSION                                                                      \
+    3 ///< of files with sources that are scaled; others are as in version 2
 
 // ---- writing --------------------------------------------------------------------------------------
 

@@ -13,7 +13,8 @@ typedef struct rsv_light_responses {
     const char *
         *name; ///< [count] the scene's: of a light, or of the node that tells it from others
     const char **definition; ///< [count] of a light alone
-    rsv_rgb *scale;          ///< [count] how strong its first source stands, of the strength that it has by itself
+    rsv_rgb *
+        scale; ///< [count] how strong its first source stands, of the strength that it has by itself
     /// [count] on the operator and the levels of the whole. Their orders are not kept apart
     rsv_light **light;           ///< those of its own; NULL = the whole itself
     const rsv_light_view **view; ///< [count] of these

@@ -36,7 +36,8 @@ void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
 /// Which sources are meant.
 typedef struct selection {
     const char *name;
-    bool own;      ///< the name is one of the sources' own; if not, it can be that of a node that placed a light
+    bool
+        own; ///< the name is one of the sources' own; if not, it can be that of a node that placed a light
     size_t number; ///< of the only source that is meant; SIZE_MAX = those of the name
 } selection;
 

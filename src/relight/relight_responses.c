@@ -40,7 +40,8 @@ static void add_source(const rsv_relighter *r, size_t k, const rsv_rgb *sky, rsv
 static void add_gathered(const rsv_relighter *r, rsv_rgb *field)
 {
     for (size_t n = 0; n < rsv_relighter_nodes(r); n++)
-        field[n] = rgb_add(field[n], rgb_mul(r->s->transport->gathered[n], r->basis->gathered_scale));
+        field[n] =
+            rgb_add(field[n], rgb_mul(r->s->transport->gathered[n], r->basis->gathered_scale));
 }
 
 /// Responses `first` to `first + count`, solved for together.

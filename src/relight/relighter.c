@@ -44,10 +44,11 @@ rsv_status rsv_relighter_make_room(rsv_relighter *r, size_t sources)
     struct {
         void *array;
         size_t size;
-    } list[] = { { &r->place, sizeof *r->place }, { &r->stale, sizeof *r->stale }, { &r->moved, sizeof *r->moved },
-        { &r->away, sizeof *r->away }, { &r->home_part, sizeof *r->home_part },
-        { &r->began_part, sizeof *r->began_part }, { &r->summed, sizeof *r->summed },
-        { &r->factor, sizeof *r->factor }, { &r->listed, 2 * sizeof *r->listed } };
+    } list[] = { { &r->place, sizeof *r->place }, { &r->stale, sizeof *r->stale },
+        { &r->moved, sizeof *r->moved }, { &r->away, sizeof *r->away },
+        { &r->home_part, sizeof *r->home_part }, { &r->began_part, sizeof *r->began_part },
+        { &r->summed, sizeof *r->summed }, { &r->factor, sizeof *r->factor },
+        { &r->listed, 2 * sizeof *r->listed } };
     for (size_t k = 0; k < sizeof list / sizeof *list; k++)
         RSV_TRY(widen(r->context, list[k].array, from, to, list[k].size));
     for (int k = 0; k < 3; k++) {
@@ -105,8 +106,7 @@ static rsv_status find_sources(rsv_relighter *r)
     rsv_status status;
     RSV_TRY(rsv_relighter_set_strengths(r, NULL));
     RSV_TRY(rsv_relighter_find_lights(r));
-    RSV_TRY(
-        rsv_lights_gather_sources(r->sources->lights, b->source, b->gathered, b->source_count));
+    RSV_TRY(rsv_lights_gather_sources(r->sources->lights, b->source, b->gathered, b->source_count));
     RSV_TRY(rsv_relighter_set_strengths(r, r->now.scale));
 cleanup:
     if (status != RSV_OK) (void)rsv_relighter_set_strengths(r, r->now.scale);

@@ -32,7 +32,7 @@ typedef struct rsv_light_basis {
     bool *gathered;         ///< [source_count] whether rows found it
     bool *stale;            ///< [source_count] whether only few rays found the part
     rsv_rgb gathered_scale; ///< factor of the emission that rows gathered
-    rsv_rgb *environment;   ///< pixels of surroundings that are scaled; NULL = as the scene has them
+    rsv_rgb *environment; ///< pixels of surroundings that are scaled; NULL = as the scene has them
 } rsv_light_basis;
 
 /// The fields of a part in order, and how long they are; 0 = the solution has none.

@@ -18,8 +18,8 @@ static world *yard(void)
     uint32_t light = world_material(w, lamp);
     world_quad(w, gray, v3(-2, 0, 2), v3(2, 0, 2), v3(2, 0, -2), v3(-2, 0, -2));
     world_quad(w, gray, v3(-2, 0, -2), v3(2, 0, -2), v3(2, 2, -2), v3(-2, 2, -2));
-    world_quad(w, light, v3(-0.3f, 2, -0.3f), v3(0.3f, 2, -0.3f), v3(0.3f, 2, 0.3f),
-        v3(-0.3f, 2, 0.3f));
+    world_quad(
+        w, light, v3(-0.3f, 2, -0.3f), v3(0.3f, 2, -0.3f), v3(0.3f, 2, 0.3f), v3(-0.3f, 2, 0.3f));
     const rsv_punctual_light bulb = { .name = "bulb",
         .kind = RSV_PUNCTUAL_POINT,
         .position = { -1, 1.5f, 1 },
@@ -70,8 +70,8 @@ static void check_same(const rsv_light *light, const rsv_light *wanted)
     for (size_t m = 0; m < p->material_count; m++)
         assert_memory_equal(&p->material[m].emission, &q->material[m].emission, sizeof(rsv_rgb));
     assert_memory_equal(&p->light[0].intensity, &q->light[0].intensity, sizeof(rsv_rgb));
-    assert_memory_equal(sky->pixels, q->environment->pixels,
-        (size_t)sky->width * sky->height * sizeof(rsv_rgb));
+    assert_memory_equal(
+        sky->pixels, q->environment->pixels, (size_t)sky->width * sky->height * sizeof(rsv_rgb));
 }
 
 static void check_near(const rsv_light *light, const rsv_light *wanted, float share)
@@ -224,8 +224,8 @@ static world *twins(void)
     uint32_t gray = world_lambert(w, 0.5f, 0), one = world_material(w, lamp),
              two = world_material(w, lamp);
     world_quad(w, gray, v3(-2, 0, 2), v3(2, 0, 2), v3(2, 0, -2), v3(-2, 0, -2));
-    world_quad(w, one, v3(-1.3f, 2, -0.3f), v3(-0.9f, 2, -0.3f), v3(-0.9f, 2, 0.1f),
-        v3(-1.3f, 2, 0.1f));
+    world_quad(
+        w, one, v3(-1.3f, 2, -0.3f), v3(-0.9f, 2, -0.3f), v3(-0.9f, 2, 0.1f), v3(-1.3f, 2, 0.1f));
     world_quad(
         w, two, v3(0.9f, 2, -0.3f), v3(1.3f, 2, -0.3f), v3(1.3f, 2, 0.1f), v3(0.9f, 2, 0.1f));
     for (int k = 0; k < 2; k++) {
