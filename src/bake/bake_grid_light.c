@@ -30,7 +30,8 @@ typedef struct grid_light {
     const uint32_t *group; ///< [count] of patches in the open
 } grid_light;
 
-static void patch_in_the_open(const grid_light *q, size_t k, rsv_bake_patch *patch, uint32_t *number)
+static void patch_in_the_open(
+    const grid_light *q, size_t k, rsv_bake_patch *patch, uint32_t *number)
 {
     *number = q->grid->patch(q->grid->user, k, patch);
     rsv_bake_remove_places(patch, q->open.covered[k]);
@@ -62,8 +63,7 @@ static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
     for (uint32_t b = y - y % 2; b <= y + y % 2; b += 2)
         for (uint32_t a = x - x % 2; a <= x + x % 2; a += 2) {
             size_t n = (size_t)b * grid->width + a;
-            if (a >= grid->width || b >= grid->height || q->group[n] != q->group[at])
-                return 0;
+            if (a >= grid->width || b >= grid->height || q->group[n] != q->group[at]) return 0;
             lead[count++] = n;
         }
     return count;
@@ -132,8 +132,7 @@ static void take_pilots(grid_light *q)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
     for (size_t k = 0; k < q->count; k++) {
         size_t lead[4];
-        if (q->group[k] == RSV_NONE || rsv_cancelled(q->s->context) ||
-            find_leads(q, k, lead) > 0)
+        if (q->group[k] == RSV_NONE || rsv_cancelled(q->s->context) || find_leads(q, k, lead) > 0)
             continue;
         rsv_bake_estimate e = look(q, k, q->grid->pilot_samples, 0);
         q->pilot[k] =

@@ -136,7 +136,7 @@ rsv_status rsv_bake_lattices_create(const rsv_light_view *s, const rsv_bake_part
     l->first = rsv_alloc(s->context, part->triangle_count, sizeof *l->first);
     RSV_TRY(l->depth && l->first ? RSV_OK : RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < part->triangle_count; t++)
-        if (part->triangle[t] != RSV_NONE && divide) 
+        if (part->triangle[t] != RSV_NONE && divide)
             l->depth[t] = depth_of(s->scene.view, part->triangle[t], finest);
     l->height = (uint32_t)arrange(l);
     size_t points = (size_t)l->width * l->height;

@@ -22,7 +22,8 @@ typedef struct rsv_bake_lattices {
     uint32_t width, height;
     uint32_t *group; ///< [height * width] triangle; RSV_NONE = none
     rsv_rgb *light;  ///< [height * width]
-    uint32_t *stand_in; ///< [height * width] the point whose light each has: itself, unless nobody sees it
+    uint32_t *
+        stand_in; ///< [height * width] the point whose light each has: itself, unless nobody sees it
 } rsv_bake_lattices;
 
 /// @param finest metres: sides are not halved below @param divide whether they are at all

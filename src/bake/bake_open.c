@@ -70,8 +70,10 @@ void rsv_bake_remove_places(rsv_bake_patch *patch, uint16_t covered)
     patch->count = left;
 }
 
-void rsv_bake_keep_open(const rsv_bake_cover *cover, rsv_bake_patch *patch)
+bool rsv_bake_keep_open(const rsv_bake_cover *cover, rsv_bake_patch *patch)
 {
     uint16_t covered = rsv_bake_covered_places(cover, patch);
-    if (covered != (1u << patch->count) - 1) rsv_bake_remove_places(patch, covered);
+    if (covered == (1u << patch->count) - 1) return false;
+    rsv_bake_remove_places(patch, covered);
+    return true;
 }

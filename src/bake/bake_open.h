@@ -24,7 +24,7 @@ uint16_t rsv_bake_covered_places(const rsv_bake_cover *cover, const rsv_bake_pat
 /// Takes places out of a patch.
 void rsv_bake_remove_places(rsv_bake_patch *patch, uint16_t covered);
 
-/// Leaves of a patch what can be seen; all of it, if nothing can.
-void rsv_bake_keep_open(const rsv_bake_cover *cover, rsv_bake_patch *patch);
+/// Leaves of a patch what can be seen; all of it, if nothing can. @return whether something can
+bool rsv_bake_keep_open(const rsv_bake_cover *cover, rsv_bake_patch *patch);
 
 #endif

@@ -106,7 +106,7 @@ static void show_texels(const rsv_lightmap_bake *b)
         rsv_bake_patch patch;
         if (!(map->distance[k] < 0.5f) || !visitor->wants(visitor->user, at, size)) continue;
         rsv_bake_texel_patch(&sheet, k, &patch);
-        rsv_bake_keep_open(&cover, &patch);
+        if (!rsv_bake_keep_open(&cover, &patch)) continue;
         const rsv_bake_value value = { .at = { at[0], at[1] },
             .irradiance = map->light[k],
             .place = patch.place,

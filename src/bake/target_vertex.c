@@ -343,7 +343,7 @@ static void show_vertex(const vertex_bake *b, const rsv_bake_mesh *mesh, size_t 
     const rsv_bake_visitor *visitor = b->desc->visitor;
     rsv_bake_patch patch;
     rsv_bake_vertex_patch(b->s, &mesh->receiver[n], b->finest, &patch);
-    rsv_bake_keep_open(&b->cover, &patch);
+    if (!rsv_bake_keep_open(&b->cover, &patch)) return;
     const rsv_bake_value value = { .at = { index, 0 },
         .irradiance = mesh->light[n],
         .place = patch.place,

@@ -26,5 +26,6 @@ bool rsv_point_is_buried(
     rsv_surface_point at =
         rsv_surface_point_at(e->scene, place.triangle, place.u, place.v, e->face_back[point->face]);
     return rsv_is_touched_or_hidden(surface->scene, place, &at, surface->contact, rays) ||
-           rsv_is_within_body(surface->scene, rsv_offset_origin(at.position, at.geometric, at.extent), at.geometric, seed, rays);
+           rsv_is_within_body(surface->scene,
+               rsv_offset_origin(at.position, at.geometric, at.extent), at.geometric, seed, rays);
 }
