@@ -426,7 +426,7 @@ static void other_versions_and_formats_are_named(void **state)
     replace(&s, "\"format_version\":\"9\"", "\"format_version\":\"0\"");
     check_refused(&s, s.content, s.bytes, "version is 0");
     replace(&s, "resolvent-operator", "resolvent-orchestr");
-    check_refused(&s, s.content, s.bytes, "no operator");
+    check_refused(&s, s.content, s.bytes, "not an operator");
     end_specimen(&s);
 }
 
@@ -443,7 +443,7 @@ static void foreign_files_are_refused(void **state)
 {
     specimen s = new_specimen(state);
     check_header_refused(
-        &s, "{\"w\":{\"dtype\":\"F32\",\"shape\":[2,2],\"data_offsets\":[0,16]}}", "no operator");
+        &s, "{\"w\":{\"dtype\":\"F32\",\"shape\":[2,2],\"data_offsets\":[0,16]}}", "not an operator");
     check_header_refused(&s, "{}", "16 follow");
     check_header_refused(&s, "[1, 2]", "no JSON object");
     check_header_refused(&s, "{\"w\":", "no JSON object");
