@@ -49,8 +49,8 @@ struct rsv_team {
     /// Processor seconds of the slowest from meeting to meeting, summed: the critical path.
     double path;
     double met; ///< CPU seconds of the calling thread when they last met
-    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc says which of
-    /// them was not requested.
+    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc lists which of
+    /// them were not used.
     const char *petsc_options;
 };
 
