@@ -1,4 +1,5 @@
 /// Light in fog, kept in operator files and relit: as it was, and with all of its energy.
+#include "resolvent/bake.h"
 #include "resolvent/frame.h"
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
@@ -30,6 +31,7 @@ static rsv_light *solve_with(const world *w, size_t elements, uint32_t rays)
     rsv_light *light;
     desc.element_target = elements;
     desc.rays_per_element = rays;
+    desc.photon_count = 50000;
     assert_int_equal(rsv_light_create(w->scene, &desc, &light), RSV_OK);
     return light;
 }
@@ -189,6 +191,94 @@ static void frames_of_a_furnace_are_even(void **state)
     world_end(w);
 }
 
+static rsv_bake_desc brief_bake(const rsv_bake_visitor *visitor)
+{
+    rsv_bake_desc desc = rsv_default_bake_desc();
+    desc.visitor = visitor;
+    return desc;
+}
+
+/// The fluence of fog in a furnace, 4 pi, in a texture of shared exponents.
+static void fluence_is_baked(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0.5f), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_fog fog = rsv_default_fog();
+    fog.extinction = rgb_gray(1);
+    fog.bounds_min = v3(-1, -1, -1);
+    fog.bounds_max = v3(1, 1, 1);
+    fill(w, fog);
+    rsv_light *light = solve_with(w, 300, 64);
+    rsv_bake_desc desc = brief_bake(NULL);
+    rsv_bake_report report;
+    folder f = new_folder();
+    size_t bytes;
+    assert_int_equal(rsv_bake(light, "fog", path_in(&f, "a.json"), &desc, &report), RSV_OK);
+    uint8_t *file = read_bytes(path_in(&f, "a.fog.ktx2"), &bytes);
+    uint32_t size[3],
+        texels = report.probe_count[0] * report.probe_count[1] * report.probe_count[2];
+    memcpy(size, file + 20, sizeof size); // pixelWidth, pixelHeight, pixelDepth
+    assert_memory_equal(size, report.probe_count, sizeof size);
+    for (uint32_t k = 0; k < texels; k++) {
+        uint32_t code;
+        memcpy(&code, file + bytes - 4 * (texels - k), 4);
+        double value = ldexp(code & 511, (int)(code >> 27) - 24);
+        assert_close(value, 4 * M_PI, 0.01 * 4 * M_PI);
+    }
+    free(file);
+    remove_folder(f.path);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
+static bool wants_all(void *user, const uint32_t at[2], const uint32_t size[2])
+{
+    (void)user, (void)at, (void)size;
+    return true;
+}
+
+/// What fog of extinction 2/m lets a lamp bring to a place on the floor.
+static double absorbed_at(const rsv_scene_view *view, const rsv_surface_place *p)
+{
+    const uint32_t *corner = view->triangle[p->triangle];
+    rsv_vec3 at = v3_barycentric(view->position[corner[0]], view->position[corner[1]],
+        view->position[corner[2]], p->u, p->v);
+    double d = (double)v3_length(v3_sub(v3(0.1f, 1, 0), at));
+    return exp(-2 * d) / (d * d * d);
+}
+
+static void take_absorbed(void *user, const rsv_bake_value *value)
+{
+    double expected = 0;
+    for (uint32_t k = 0; k < value->place_count; k++)
+        expected += absorbed_at(user, &value->place[k]) / value->place_count;
+    assert_close(value->irradiance.g, expected, 0.02 * expected);
+}
+
+/// A lamp over a floor in fog that absorbs.
+static void vertices_know_what_fog_takes(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_quad(
+        w, world_lambert(w, 0.5f, 0), v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1));
+    add_lamp(w, (rsv_punctual_light){ .position = v3(0.1f, 1, 0), .intensity = rgb_gray(1) });
+    rsv_fog fog = rsv_default_fog();
+    fog.extinction = rgb_gray(2);
+    fog.albedo = rgb_gray(0);
+    fill(w, fog);
+    rsv_light *light = solve_with(w, 300, 64);
+    const rsv_bake_visitor visitor = { (void *)(uintptr_t)rsv_scene_get_view(w->scene), wants_all,
+        take_absorbed };
+    rsv_bake_desc desc = brief_bake(&visitor);
+    folder f = new_folder();
+    assert_int_equal(rsv_bake_vertices(light, path_in(&f, "a.glb"), &desc, NULL), RSV_OK);
+    remove_folder(f.path);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
 /// Of fog that scatters unevenly, rows hold light of all lights in one.
 static void uneven_fog_is_not_relit(void **state)
 {
@@ -212,6 +302,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_keep_fog),
         cmocka_unit_test(fog_is_relit),
+        cmocka_unit_test(fluence_is_baked),
+        cmocka_unit_test(vertices_know_what_fog_takes),
         cmocka_unit_test(frames_show_fog),
         cmocka_unit_test(frames_of_a_furnace_are_even),
         cmocka_unit_test(uneven_fog_is_not_relit),
