@@ -267,10 +267,10 @@ static void warn_of_reading(cli_session *session)
 static bool check_kind(const cli_session *session, const char *name, bool is_file)
 {
     if (session->mesh && !rsv_scene_is_builtin(name))
-        cli_error(
-            "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
+        cli_error("--mesh %s: '%s' is not a built-in scene; only those accept a mesh",
+            session->mesh, name);
     else if (isfinite(session->moment.time) && !is_file && rsv_scene_is_builtin(name))
-        cli_error("--time: '%s' is a built-in scene, and none of those is animated", name);
+        cli_error("--time: '%s' is a built-in scene; only glTF files are animated", name);
     else
         return true;
     return false;
