@@ -5,9 +5,7 @@
 #include "../update/moved_elements.h"
 #include "solve_constants.h"
 
-#include <string.h>
-#include <stdio.h>
-#include <stdlib.h>
+#include <math.h>
 
 void rsv_following_destroy(rsv_context *context, rsv_following *f)
 {
@@ -139,7 +137,6 @@ rsv_status rsv_light_divide(rsv_light_motion *m, bool from_first, rsv_divided_el
         .draw = { RSV_SUPPORT_POINTS, s->desc.seed } };
     if (from_first) rsv_elements_find_areas(f->first);
     RSV_TRY(rsv_elements_divide(&s->world->scene, &before, d, &s->report.rays));
-    if (getenv("DBG")) fprintf(stderr, "divide from_first %d: first cells %zu nodes %zu; before %zu %zu; now %zu %zu; size %g spacing %g\n", from_first, f->first->cell_count, f->first->node_count, f->elements->cell_count, f->elements->node_count, d->elements->cell_count, d->elements->node_count, (double)f->contact_size, (double)f->first->spacing);
     RSV_TRY(mark_anew(m, d));
     RSV_TRY(carry_all(m, d));
     rsv_elements_destroy(f->elements);

@@ -8,7 +8,6 @@
 #include "slow_tests.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /// A built-in scene, and what moves in it.
@@ -340,43 +339,35 @@ static rsv_scene *open_door(const stage *s, float angle)
     return moved(s, motion_of(s, v3(0, 0, 0), shut - angle, 0, -0.43f));
 }
 
-/// A door that opens: light floods the dark room.
+/// A door that opens, nearly shut at first: light floods the dark room. Solves of the first moments differ by up to 9 % from one
+/// set of random numbers to the next with 64 rays a row, by 0.3 % of the last one with these.
 static void doors_let_light_in(void **state)
 {
     (void)state;
     enum { MOMENTS = 6 };
+    static const float angle[MOMENTS] = { 0.05f, 0.12f, 0.25f, 0.45f, 0.7f, 0.9f };
     stage s = open_stage("two-rooms", "door");
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    if (getenv("RAYS")) desc.rays_per_element = atoi(getenv("RAYS"));
-    if (getenv("LIGHT")) desc.light_samples *= atoi(getenv("LIGHT"));
-    if (getenv("PILOTS")) desc.refinements = atoi(getenv("PILOTS"));
-    if (getenv("SHOW")) printf("rays %u light samples %u pilots %u\n", desc.rays_per_element, desc.light_samples, desc.refinements);
+    desc.rays_per_element = 1024;
+    desc.light_samples *= 4;
     rsv_scene *shut = open_door(&s, 0.02f);
     rsv_light *light = solve(shut, &desc);
-    double before = mean_below(light, 0.5f), mine = 0;
-    for (int k = 1; k <= MOMENTS; k++) {
-        const float angle[MOMENTS] = { 0.05f, 0.12f, 0.25f, 0.45f, 0.7f, 0.9f };
-        rsv_scene *there = open_door(&s, angle[k - 1]);
+    double before = mean_below(light, 0.5f), mine = 0, sum = 0;
+    for (int k = 0; k < MOMENTS; k++) {
+        rsv_scene *there = open_door(&s, angle[k]);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
         rsv_light *fresh = solve(there, &desc);
         double wanted = mean_below(fresh, 0.5f);
         mine = mean_below(light, 0.5f);
-        if (getenv("SHOW")) printf("%d moving: %+.2f %%\n", k, 100 * (mine / wanted - 1));
-        if (!getenv("SHOW") && fabs(mine / wanted - 1) > 0.05) fail_msg("%d: %g, not %g", k, mine, wanted);
+        if (fabs(mine / wanted - 1) > 0.05) fail_msg("%d: %g, not %g", k, mine, wanted);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK); // it rests
         mine = mean_below(light, 0.5f);
-        if (getenv("SHOW")) printf("%d at rest: %+.2f %%\n", k, 100 * (mine / wanted - 1));
-        if (!getenv("SHOW") && fabs(mine / wanted - 1) > 0.01)
-            fail_msg("%d, at rest: %g, not %g", k, mine, wanted);
-        if (getenv("SHOW")) for (uint32_t seed = 1; seed < 4; seed++) {
-            rsv_solve_desc other = desc; other.seed = seed;
-            rsv_light *l = solve(there, &other);
-            printf("   seed %u: %+.2f %%\n", seed, 100 * (mean_below(l, 0.5f) / wanted - 1));
-            rsv_light_destroy(l);
-        }
+        if (fabs(mine / wanted - 1) > 0.03) fail_msg("%d, at rest: %g, not %g", k, mine, wanted);
+        sum += mine / wanted - 1;
         rsv_light_destroy(fresh);
         rsv_scene_destroy(there);
     }
+    if (fabs(sum) > 0.01 * MOMENTS) fail_msg("at rest: off by %.2f %%", 100 * sum / MOMENTS);
     assert_true(mine > before);
     rsv_light_destroy(light);
     rsv_scene_destroy(shut);
@@ -399,6 +390,28 @@ static void other_scenes_are_refused(void **state)
     assert_true(rsv_light_report(light)->mean_irradiance == before);
     assert_int_equal(rsv_light_follow(light, s.scene, NULL), RSV_OK); // it goes on
     rsv_scene_destroy(other);
+    rsv_light_destroy(light);
+    close_stage(&s);
+}
+
+/// Translucent bodies may move; other shapes of them are refused, and the light stays what it was.
+static void translucent_bodies_keep_their_shape(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-marble", "sphere");
+    rsv_solve_desc desc = small_desc();
+    desc.element_target = 300;
+    rsv_light *light = solve(s.scene, &desc);
+    follow(light, &s, motion_of(&s, v3(0.02f, 0, 0), 0.5f, 0, 0));
+    double before = rsv_light_report(light)->mean_irradiance;
+    rsv_motion taller = motion_of(&s, v3(0, 0, 0), 0, 0, 0);
+    taller.matrix[5] = 1.02f;
+    rsv_scene *there = moved(&s, taller);
+    assert_int_equal(rsv_light_follow(light, there, NULL), RSV_ERROR_UNSUPPORTED);
+    if (!strstr(rsv_last_error(), "changes its shape")) fail_msg("%s", rsv_last_error());
+    assert_true(rsv_light_report(light)->mean_irradiance == before);
+    follow(light, &s, motion_of(&s, v3(0, 0, 0), 0, 0, 0)); // it goes on
+    rsv_scene_destroy(there);
     rsv_light_destroy(light);
     close_stage(&s);
 }
@@ -434,11 +447,14 @@ int main(int argc, char **argv)
         cmocka_unit_test(light_is_that_of_solves),
         cmocka_unit_test(lamps_that_move_take_their_light_along),
         cmocka_unit_test(other_scenes_are_refused),
+        cmocka_unit_test(translucent_bodies_keep_their_shape),
         cmocka_unit_test(objects_may_go_through_walls),
     };
     const struct CMUnitTest slow[] = {
-        cmocka_unit_test(doors_let_light_in),
         cmocka_unit_test(light_of_twenty_places_is_that_of_solves),
     };
-    return RUN_HALF(argc, argv, quick, slow);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(doors_let_light_in),
+    };
+    return RUN_THIRD(argc, argv, quick, slow, longest);
 }
