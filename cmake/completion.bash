@@ -1,5 +1,5 @@
-# Completion of `resolvent` for bash: commands, the options that each explains in its --help, the values of those that have
-# a few, and the built-in scenes beside files.
+# Completion of `resolvent` for bash: commands, their options, the values of options that have a few, and the built-in
+# scenes besides files. All of it comes from the program's own help.
 _resolvent()
 {
     local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
@@ -8,10 +8,10 @@ _resolvent()
         words=$("$program" --help 2>/dev/null | sed -n '/^commands:/,/^$/s/^  \([a-z]*\).*/\1/p')
         COMPREPLY=($(compgen -W "$words --help --version" -- "$current"))
     elif [[ $current == -* ]]; then
-        words=$("$program" "$command" --help 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | sort -u)
+        words=$("$program" "$command" --help all 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | sort -u)
         COMPREPLY=($(compgen -W "$words --help" -- "$current"))
     elif [[ $previous == -* ]]; then
-        # what is no value is refused with those there are
+        # an invalid value is refused with a list of the valid ones
         words=$({ "$program" "$command" "$previous" '?' 2>&1 || :; } |
             sed -n 's/.* is not one of \(.*\); see .*/\1/p')
         COMPREPLY=($(compgen -W "${words//,/}" -- "$current" || :))

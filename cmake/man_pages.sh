@@ -19,7 +19,7 @@ overview=$("$program" --help)
 others=()
 while read -r command summary; do
     {
-        "$program" "$command" --help | page "resolvent-$command" "$summary"
+        "$program" "$command" --help all | page "resolvent-$command" "$summary"
         echo '.BR resolvent (1)'
     } >"$folder/resolvent-$command.1"
     others+=("resolvent-$command")

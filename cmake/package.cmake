@@ -12,6 +12,12 @@ if(TARGET resolvent_program AND NOT CMAKE_CROSSCOMPILING)
     install(FILES ${PROJECT_SOURCE_DIR}/cmake/completion.bash
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME resolvent
         COMPONENT runtime)
+    install(FILES ${PROJECT_SOURCE_DIR}/cmake/completion.zsh
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions RENAME _resolvent
+        COMPONENT runtime)
+    install(FILES ${PROJECT_SOURCE_DIR}/cmake/completion.fish
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d RENAME resolvent.fish
+        COMPONENT runtime)
 endif()
 
 set(RSV_PACKAGE_CONTACT "Resolvent developers <noreply@resolvent.example>" CACHE STRING "Maintainer of the packages")

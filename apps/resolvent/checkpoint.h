@@ -23,11 +23,11 @@ typedef struct cli_checkpoint {
 // clang-format on
 
 #define CLI_CHECKPOINT_HELP                                                                        \
-    "  --checkpoint DIR   keep rows in DIR while they are traced: the same command, after an\n"    \
-    "                     interrupt or a crash, goes on there, and ends with the same bytes.\n"    \
-    "                     After an edit of the scene, only what it may have changed is\n"          \
-    "                     done again (DIR keeps two). May be deleted at any time\n"                \
-    "  --resume           refuse to begin anew: DIR must hold rows of this scene\n"
+    "  --checkpoint DIR   save rows of the operator in DIR as they are traced. After an interruption, the\n"\
+    "                     same command continues from there and ends with the same bytes. After an edit\n"\
+    "                     of the scene, only what it may have changed is computed again. You may delete\n"\
+    "                     DIR at any time\n"                                                       \
+    "  --resume           fail unless DIR holds rows of this scene\n"
 
 /// Makes the folder for a scene's rows, and lets the solve use it. Does nothing where none is asked for.
 /// @return false after a message

@@ -16,55 +16,51 @@
 static const char help[] =
     "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to TARGET [options]\n"
     "\n"
-    "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
-    "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
-    "Scenes that are no glTF file become one. A file of `solve` or `relight` is taken as it is\n"
-    "solved, with the lights and colours that it was given. docs/bake.md says what is written.\n"
+    "Solves the light of SCENE and writes it into a copy of its glTF file, for engines and web pages.\n"
+    "Everything else in the file is kept: nodes, animations, cameras, extras, extensions. Other scenes\n"
+    "become a new glTF file. A file from `solve` or `relight` is baked as it is, with its lights and\n"
+    "colours. docs/bake.md describes the output.\n"
     "\n"
     "  --to TARGET        one of {--to}\n"
-    "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
-    "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
-    "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and\n"
-    "                     OUT.probes.bin\n"
-    "  -o OUT             the file to write: .glb, probes .json\n"
-    "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
+    "  --to vertex        light in COLOR_0; surfaces are subdivided where the light requires it\n"
+    "  --to lightmap      irradiance in a texture (MOZ_lightmap), and in OUT.lightmap.exr\n"
+    "  --to probes        a grid of spherical harmonics for moving objects: OUT.json, OUT.probes.bin\n"
+    "  -o OUT             the output file: .glb; for probes .json\n"
+    "  --basis            also write the contribution of each light to OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
-    "  --operator         vertex, lightmap: also write the operator: OUT.operator.safetensors, "
-    "for\n"
-    "                     lights at run time that were not baked (docs/runtime.md)\n"
-    "  --env-turns N      with --basis: surroundings at N angles of a full turn (1..64), so that\n"
-    "                     they can be turned at run time (default 1: as they are)\n"
-    "  --error SHARE      vertex, lightmap: error of the median texel or vertex that shadow rays "
-    "go\n"
-    "                     for (default 1%); penumbrae get more rays\n"
-    "  --light-scale L    vertex, lightmap: what 1 stands for in colours and 8-bit maps, as the\n"
-    "                     radiance of a white surface, W/(m2 sr); brighter light is clipped, and\n"
-    "                     that is said (default: lightmaps clip 0.1 % at most, vertices nothing,\n"
-    "                     or with --unlit what is over four times the mean)\n"
-    "  --dry-run          say what would come out, write nothing\n"
-    "\n"
-    "  --tolerance SHARE  vertex: error of light between vertices (default 2%)\n"
-    "  --unlit            vertex: mark diffuse materials KHR_materials_unlit, for viewers\n"
-    "  --map-size N       lightmap: texels along a side at most (default 1024; up to\n"
-    "                     4096 where there are many small surfaces)\n"
+    "  --operator         vertex, lightmap: also write OUT.operator.safetensors, for lights at run time\n"
+    "                     that were not baked (docs/runtime.md)\n"
+    "  --env-turns N      with --basis: store the environment at N angles of a full turn (1 to 64), so\n"
+    "                     that it can be rotated at run time (default 1: fixed)\n"
+    "  --error SHARE      vertex, lightmap: target error of direct light for the median texel or vertex\n"
+    "                     (default 1%); penumbrae get more shadow rays\n"
+    "  --light-scale L    vertex, lightmap: the value that 1 stands for in colours and 8-bit maps, as the\n"
+    "                     radiance of a white surface, W/(m2 sr). Brighter light is clipped, with a note\n"
+    "                     (default: lightmaps clip at most 0.1 %, vertices nothing, vertices with --unlit\n"
+    "                     above four times the mean)\n"
+    "  --dry-run          report the result, write nothing\n"
+    "  --tolerance SHARE  vertex: error of interpolation between vertices (default 2%)\n"
+    "  --unlit            vertex: mark diffuse materials as KHR_materials_unlit, for viewers\n"
+    "  --map-size N       lightmap: largest side in texels (default 1024; up to 4096 for many small\n"
+    "                     surfaces)\n"
     "  --density D        lightmap: texels per metre (default: as many as fit)\n"
     "  --padding N        lightmap: texels between charts (default 2)\n"
-    "  --ktx2             lightmap: also OUT.lightmap.ktx2, with shared exponents (RGB9E5)\n"
-    "  --directional      lightmap: also where light comes from, for normal maps:\n"
+    "  --ktx2             lightmap: also write OUT.lightmap.ktx2 (RGB9E5)\n"
+    "  --directional      lightmap: also store the light's direction, for normal maps:\n"
     "                     OUT.lightmap-x.exr, -y and -z\n"
-    "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
-    "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
-    "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
-        CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
-    "  --threads N        default: one per processor; the files do not depend on it\n"
-    "  --stats FILE.json  what came out, and how long it took\n"
+    "  --new-uv           lightmap: replace the second texture coordinates of the file\n"
+    "  --spacing M        probes: distance in metres (default: a sixteenth of the longest side)\n"
+    "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+            CLI_CHECKPOINT_HELP
+    "  --threads N        default: one per core; the files do not depend on it\n"
+    "  --stats FILE.json  results, and how long it took (docs/stats.md)\n"
     "\n"
     "examples:\n"
     "  resolvent bake room.glb -o room-lit.glb --to vertex --unlit\n"
     "  resolvent bake room.glb -o room-map.glb --to lightmap --map-size 2048\n"
-    "  resolvent bake evening.safetensors -o evening.glb --to vertex\n"
-    "  resolvent bake cornell-blocks -o box.glb --to vertex --basis --quality high\n";
+    "  resolvent bake cornell-blocks -o box.glb --to vertex --basis --quality high\n"
+    "  resolvent bake evening.safetensors -o evening.glb --to vertex\n";
 
 #define PI 3.14159265358979323846
 
@@ -159,7 +155,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
-    const cli_usage usage = { "bake", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "bake", help, options, "SCENE", 1, 1,
+        "-o --to --basis --unlit --map-size --quality --error --env --checkpoint --dry-run" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->target_index < 0) {
         *exit_status = cli_usage_error("bake", "--to vertex, lightmap or probes is missing");

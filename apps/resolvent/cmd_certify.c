@@ -13,44 +13,36 @@
 static const char help[] =
     "usage: resolvent certify SCENE [options]\n"
     "\n"
-    "Solves the light of SCENE and says how wrong the solution is. At random points of the "
-    "surfaces\n"
-    "the stored irradiance is compared with one more gather of rays through the continuous "
-    "equation,\n"
-    "with random numbers that the solution never saw. Prints W/m2 (luminance, root mean square\n"
-    "over the surfaces) and percent of the irradiance:\n"
+    "Measures the error of the solved light of SCENE (a file, a built-in scene, or a file from `resolvent\n"
+    "solve`). At random points on the surfaces, it compares the stored irradiance with a new gather of\n"
+    "rays through the continuous equation, with independent random numbers. Prints, in W/m2 (luminance,\n"
+    "root mean square over the surfaces) and as a percentage of the irradiance:\n"
     "\n"
     "  irradiance  of the solution\n"
-    "  residual    what it lacks in the equation, with a 95 % confidence interval\n"
-    "  bound       no error is larger: residual / (1 - largest albedo), at the interval's upper "
-    "end\n"
-    "  estimate    the error itself, from one more solve with the residual\n"
-    "\n"
-    "SCENE may be a file of `resolvent solve`, which is solved already.\n"
+    "  residual    how far the solution is from satisfying the equation, with a 95 % interval\n"
+    "  bound       the error is at most this: the residual (upper end) / (1 - largest albedo)\n"
+    "  estimate    the probable error, from one more solve with the residual\n"
     "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
-    "  --rays N           gather rays of each of the two estimates at a point (default "
-    "512)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
-        CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
-    "  --threads N        default: one per processor; the numbers do not depend on it\n"
-    "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
-    "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
-    "                     black 0.1 %, then ticks at 1 % and 10 %, white 100 % of the irradiance\n"
-    "  --split            how much of the error comes from the solver, from too few rays and from "
-    "too\n"
-    "                     large elements; solves once more\n"
-    "  --goal             solve for the camera's picture alone, and certify its mean luminance "
-    "too\n"
-    "  --points FILE.csv  solve for the mean irradiance at these points alone (x,y,z,nx,ny,nz as "
-    "for\n"
+    "  --rays N           gather rays for each of two estimates per point (default 512)\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+            CLI_ERROR_TARGET_HELP
+    "  --threads N        default: one per core; the figures do not depend on it\n"
+    "  --stats FILE.json  what was done, time of each phase, and the certificate (docs/stats.md)\n"
+    "  --heatmap FILE     a picture of the error (.png; .exr also holds the numbers): black 0.1 %, ticks\n"
+    "                     at 1 % and 10 %, white 100 % of the irradiance\n"
+    "  --split            split the error into solver, noise of rays and size of elements; solves once\n"
+    "                     more\n"
+    "  --goal             solve for the camera's picture only, and certify its mean luminance too\n"
+    "  --points FILE.csv  solve for the mean irradiance at these points only (x,y,z,nx,ny,nz, as for\n"
     "                     `resolvent probe`), and certify that too\n"
-    "  --camera NAME      of the picture: one of `resolvent info SCENE` (default: the first)\n"
-    "  --size WxH         of the picture (default 256x256)\n"
+    "  --camera NAME      camera of the picture, as listed by `resolvent info SCENE` (default: the first)\n"
+    "  --size WxH         its size (default 256x256)\n"
     "\n"
     "examples:\n"
-    "  resolvent certify cornell-blocks\n"
-    "  resolvent certify cornell-blocks --quality draft --heatmap error.png\n"
+    "  resolvent certify room.safetensors\n"
     "  resolvent certify room.glb --quality draft --error 2%\n"
+    "  resolvent certify cornell-blocks --quality draft --heatmap error.png\n"
     "  resolvent certify room.glb --quality high --samples 20000 --stats room.json\n";
 
 typedef struct settings {
@@ -109,7 +101,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .goes_with = "--heatmap" },
         { .name = NULL },
     };
-    const cli_usage usage = { "certify", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "certify", help, options, "SCENE", 1, 1,
+        "--heatmap --split --error --max-time --quality --samples --goal --stats --env" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (!s->goal || !s->points) return true;
     *exit_status = cli_usage_error("certify", "--goal and --points: one goal is all there can be");

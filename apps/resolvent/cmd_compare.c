@@ -12,27 +12,24 @@
 static const char help[] =
     "usage: resolvent compare A B [options]\n"
     "\n"
-    "Says how picture B differs from A, the one taken for true (.exr, .hdr, .png, .jpg, same "
-    "size),\n"
-    "over the three channels in linear RGB:\n"
+    "Measures how picture B differs from the reference A (.exr, .hdr, .png, .jpg of the same size), over\n"
+    "three channels in linear RGB:\n"
     "\n"
     "  rmse                   root mean square of B - A\n"
     "  relative_mse           mean of (B - A)^2 / (A^2 + 0.01 mean(A)^2)\n"
-    "  psnr                   dB, below the largest value of A\n"
+    "  psnr                   dB, relative to the largest value of A\n"
     "  mean_ratio             mean(B) / mean(A), and the same per channel\n"
     "  median_relative_error  median over the pixels, of luminance\n"
     "\n"
-    "  -o FILE       write |B - A| as a picture\n"
-    "  --gain X      that many times as bright (default 1)\n"
-    "  --twin FILE   A made once more with another --seed: A is then the mean of the two, and "
-    "their\n"
-    "                noise, which does not correlate, is told from the error of B:\n"
-    "                  without_noise    relative MSE of B against the truth, give or take its "
-    "standard\n"
-    "                                   error; A^2 is that of the mean over 5 x 5 pixels\n"
-    "                  noise_of_a       relative MSE of A against the truth\n"
-    "  --layer NAME  compare the layers of that name (see `resolvent render --layers`)\n"
-    "  --json        print JSON\n"
+    "  -o FILE            write |B - A| as a picture\n"
+    "  --gain X           multiply that picture by X (default 1)\n"
+    "  --twin FILE        A rendered with another --seed: the reference is then the mean of the two. Their\n"
+    "                     noise does not correlate, so it can be separated from the error of B:\n"
+    "                       without_noise  relative MSE of B against the truth, and its standard error;\n"
+    "                                      A^2 is that of the mean over 5 x 5 pixels\n"
+    "                       noise_of_a     relative MSE of A against the truth\n"
+    "  --layer NAME       compare the layers of this name (see `resolvent render --layers`)\n"
+    "  --json             print JSON\n"
     "\n"
     "examples:\n"
     "  resolvent compare reference.exr operator.exr\n"
@@ -182,7 +179,7 @@ int cli_compare(int argc, char **argv)
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },
         { .name = NULL },
     };
-    const cli_usage usage = { "compare", help, options, "A B", 2, 2 };
+    const cli_usage usage = { "compare", help, options, "A B", 2, 2, NULL };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, s.path, &exit_status)) return exit_status;
     if (s.output && rsv_image_check_output(s.output) != RSV_OK) {

@@ -11,36 +11,27 @@
 static const char help[] =
     "usage: resolvent daylight SCENE --weather FILE.epw -o REPORT.{html,json,csv} [options]\n"
     "\n"
-    "Daylight at sensors over a year of weather: mean illuminance, daylight autonomy, useful "
-    "daylight,\n"
-    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; lamps of "
-    "the\n"
-    "scene are off. See docs/daylight.md.\n"
+    "Daylight at sensors over a year of weather: mean illuminance, daylight autonomy, useful daylight,\n"
+    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; the lamps of\n"
+    "the scene are off. See docs/daylight.md.\n"
     "\n"
-    "  --weather FILE     EnergyPlus weather (.epw) or Daysim's (.wea)\n"
-    "  -o FILE            the report: a page that stands alone (.html), .json or .csv; repeat it "
-    "for more\n"
-    "                     formats. --weather may be repeated, too: each file then takes as many "
-    "-o, "
-    "in\n"
-    "                     their order, and but a second\n"
+    "  --weather FILE     weather file of EnergyPlus (.epw) or Daysim (.wea). May be repeated: each file\n"
+    "                     then takes its own -o options, in the same order, and a second more to compute\n"
+    "  -o FILE            the report: a self-contained page (.html), .json or .csv; repeat it for more\n"
+    "                     formats\n"
     "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"
-    "  --height M         of those grids above the floor (default 0.8)\n"
-    "  --spacing M        of those grids (default 0.5)\n"
-    "  --north DEG        north lies so many degrees clockwise from -z, seen from above (default "
-    "0)\n"
-    "  --ground ALBEDO    of the ground outside the scene (default 0.2)\n"
-    "  --sky-only         leave the sun out; the ground outside is lit by it all the same\n"
-    "  --shaded SCENE     the same scene with its shades down, which counts while --shade-lux "
-    "(default "
-    "1000)\n"
-    "                     or more come straight from the sun on --shade-share (2 %) of the "
-    "sensors\n"
+    "  --height M         height of these grids above the floor (default 0.8)\n"
+    "  --spacing M        spacing of these grids (default 0.5)\n"
+    "  --north DEG        direction of north, degrees clockwise from -z, seen from above (default 0)\n"
+    "  --ground ALBEDO    albedo of the ground outside the scene (default 0.2)\n"
+    "  --sky-only         leave out the sun's direct light; it still lights the ground outside\n"
+    "  --shaded SCENE     the same scene with its shades down, used while --shade-lux (default 1000) or\n"
+    "                     more of direct sun reach --shade-share (default 2 %) of the sensors\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
-    "  --hourly FILE      a row per record of the weather file, a column per sensor, in "
-    "lux\n" CLI_MESH_HELP CLI_READING_HELP CLI_SOLVE_HELP
+    "  --hourly FILE      a row per record of the weather file, a column per sensor, in lux\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_SOLVE_HELP
     "  --samples N        rays per sensor (default by quality: 15360, 61440, 245760)\n"
-    "  --threads N        default: one per processor; the figures do not depend on it\n"
+    "  --threads N        default: one per core; the figures do not depend on it\n"
     "\n"
     "examples:\n"
     "  resolvent daylight office.glb --weather chicago.epw -o office.html\n"
@@ -114,7 +105,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SOLVE_OPTIONS(&s->solve),
         { .name = NULL },
     };
-    const cli_usage usage = { "daylight", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "daylight", help, options, "SCENE", 1, 1,
+        "--weather -o --points --height --spacing --north --from --shaded --hourly --quality" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     *exit_status = check_lists(s);
     if (*exit_status == CLI_SUCCESS && s->from >= s->to)

@@ -16,23 +16,20 @@
 static const char help[] =
     "usage: resolvent falsecolor IN.{exr,hdr,safetensors} -o OUT.png [options]\n"
     "\n"
-    "Shows the luminance of a picture in colours, with a scale in cd/m2: 683 lm/W times the "
-    "luminance "
-    "of\n"
-    "its radiance, CIE 1931 Y. Lines join places of the luminances that the scale names.\n"
-    "Of a file of `resolvent solve` or `relight`, the illuminance on surfaces in lux, with isolux "
-    "lines, as a\n"
-    "camera sees them.\n"
+    "Shows the luminance of a picture in colours, with a scale in cd/m2 and a line of equal luminance for\n"
+    "each value on it. Luminance is 683 lm/W times CIE 1931 Y of the radiance. For a file from `resolvent\n"
+    "solve` or `relight`, shows the illuminance of the surfaces in lux, with isolux lines, as a camera\n"
+    "sees them.\n"
     "\n"
     "  -o FILE            the picture\n"
-    "  --max CD           luminance at the top of the scale (default: the brightest 0.1 % are "
-    "above)\n"
-    "  --min CD           at its foot (default: 0; with --log a thousandth of the top)\n"
-    "  --log              colours by the logarithm\n"
+    "  --max CD           top of the scale (default: the brightest 0.1 % are above it)\n"
+    "  --min CD           bottom of the scale (default: 0; with --log, a thousandth of the top)\n"
+    "  --log              logarithmic scale\n"
     "  --lines N          values on the scale, and lines for them (default 8; 0 = no lines)\n"
-    "  --camera NAME      of an operator file (default: the first)\n"
-    "  --size WxH         likewise (default: 512 on the longer side, in the camera's aspect)\n"
-    "  --efficacy LM/W    other than 683, such as 179 for pictures made with that\n"
+    "  --camera NAME      camera of an operator file (default: the first)\n"
+    "  --size WxH         size, for an operator file (default: 512 on the longer side, with the camera's\n"
+    "                     aspect ratio)\n"
+    "  --efficacy LM/W    use this instead of 683, such as 179 for pictures from Radiance\n"
     "\n"
     "examples:\n"
     "  resolvent render office.glb -o office.exr\n"
@@ -304,7 +301,7 @@ int cli_falsecolor(int argc, char **argv)
         { .name = "--efficacy", .kind = CLI_REAL, .value = &s.efficacy, .min = 1e-3, .max = 1e6 },
         { .name = NULL },
     };
-    const cli_usage usage = { "falsecolor", help, options, "IN", 1, 1 };
+    const cli_usage usage = { "falsecolor", help, options, "IN", 1, 1, NULL };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
     if (!s.output) return cli_usage_error("falsecolor", "-o OUT.png is missing");

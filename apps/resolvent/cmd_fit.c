@@ -17,30 +17,26 @@
 static const char help[] =
     "usage: resolvent fit SCENE --wanted IN.csv -o OUT.csv [options]\n"
     "\n"
-    "Finds how far to dim each light so that points read what is wanted, at least power, and says "
-    "by "
-    "how\n"
-    "much that cannot be met. IN.csv has a header with x,y,z,nx,ny,nz,lux and, if points count\n"
-    "differently, weight. With r,g,b (W/m2, as `probe` writes them) in place of lux, lights get "
-    "colours:\n"
-    "a factor for each channel. OUT.csv: name,r,g,b,lumens, for `relight --light NAME=R,G,B`.\n"
-    "SCENE may be a file of `resolvent solve`, which is solved already.\n"
+    "Finds how far to dim each light so that points reach target readings with the least power, and\n"
+    "prints by how much a target is missed. SCENE is a file, a built-in scene, or a file from `resolvent\n"
+    "solve`. IN.csv has a header with x,y,z,nx,ny,nz,lux and, optionally, weight. With r,g,b (W/m2, as\n"
+    "written by `probe`) in place of lux, lights also get colours. OUT.csv holds name,r,g,b,lumens, with\n"
+    "factors for `relight --light NAME=R,G,B`.\n"
     "\n"
-    "  --wanted FILE      the points, and what they are to read\n"
-    "  -o FILE            factors of all lights; their lumens include them\n"
-    "  --readings FILE    what the points read then: x,y,z,nx,ny,nz,wanted,lux (or r,g,b)\n"
-    "  --relit FILE       the solution under these factors, as an operator file\n"
-    "  --at-least         readings may be above what is wanted\n"
+    "  --wanted FILE      the points and their target readings\n"
+    "  -o FILE            the factor of each light, and its lumens after dimming\n"
+    "  --readings FILE    the readings reached: x,y,z,nx,ny,nz,wanted,lux (or r,g,b)\n"
+    "  --relit FILE       the solution with these factors, as an operator file\n"
+    "  --at-least         readings may exceed their targets\n"
     "  --most F           highest factor (default 1)\n"
     "  --least F          lowest factor (default 0)\n"
-    "  --keep NAME        a light that stays as it is; repeat it; * stands for any text\n"
+    "  --keep NAME        do not change this light; repeat it for more; * matches any text\n"
     "  --samples N        rays per point (default 512)\n"
-    "  --threads N        default: one per processor; the result does not depend on it\n"
-    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
+    "  --threads N        default: one per core; the result does not depend on it\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
     "  resolvent fit office.safetensors --wanted desks.csv --at-least -o dimming.csv\n"
-    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv "
-    "--relit dimmed.safetensors\n";
+    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv --relit dimmed.safetensors\n";
 
 typedef struct settings {
     const char *scene, *wanted, *output, *readings, *relit, *mesh;
@@ -74,7 +70,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_READING_OPTIONS(&s->reading),
         { .name = NULL },
     };
-    const cli_usage usage = { "fit", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "fit", help, options, "SCENE", 1, 1,
+        "--wanted -o --at-least --most --keep --relit --readings --luminaire --quality" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (!s->wanted || !s->output)
         *exit_status =

@@ -19,29 +19,26 @@ static const char help[] =
     "usage: resolvent glare IN.{exr,hdr} [options]\n"
     "       resolvent glare SCENE --observers IN.csv -o OUT.csv [options]\n"
     "\n"
-    "Daylight glare probability (DGP) and unified glare rating (UGR) of a view: a picture of the "
-    "half\n"
-    "space ahead as `render --projection fisheye` makes it, with the observer as its camera. "
-    "Pixels\n"
-    "above a threshold are glare sources; those that touch are one. Luminances are 683 lm/W times "
-    "the\n"
-    "luminance of radiance, CIE 1931 Y.\n"
+    "Computes daylight glare probability (DGP) and unified glare rating (UGR) of a view. The picture must\n"
+    "show the half space ahead of the observer, as from `render --projection fisheye`. Pixels above a\n"
+    "threshold are glare sources; adjacent ones form one source. Luminance is 683 lm/W times CIE 1931 Y\n"
+    "of the radiance.\n"
     "\n"
-    "With --observers, UGR at points x,y,z that look along nx,ny,nz: of luminaires that have an "
-    "opening\n"
-    "(--luminaire) and of lamps. OUT.csv: x,y,z,nx,ny,nz,ugr,background,lux,sources.\n"
+    "With --observers, computes UGR at points x,y,z looking along nx,ny,nz, due to lamps and to\n"
+    "luminaires with an opening (--luminaire). OUT.csv: x,y,z,nx,ny,nz,ugr,background,lux,sources.\n"
     "\n"
-    "  --observers FILE   the points; -o FILE what was found\n"
+    "  --observers FILE   the points\n"
+    "  -o FILE            with --observers: the results\n"
     "  --samples N        rays per observer (default 4096)\n"
-    "  --threads N        default: one per processor; the result does not depend on it\n"
-    "  --threshold CD     luminance above which a pixel glares (default: five times the mean)\n"
-    "  --efficacy LM/W    other than 683, such as 179 for pictures made with that\n"
+    "  --threads N        default: one per core; the result does not depend on it\n"
+    "  --threshold CD     luminance above which a pixel is a glare source (default: five times the mean)\n"
+    "  --efficacy LM/W    use this instead of 683, such as 179 for pictures from Radiance\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
         CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
-    "  resolvent render office.glb --camera desk --projection fisheye --size 1000x1000 -o "
-    "view.exr\n"
-    "  resolvent glare view.exr\n";
+    "  resolvent render office.glb --camera desk --projection fisheye --size 1000x1000 -o view.exr\n"
+    "  resolvent glare view.exr\n"
+    "  resolvent glare office.glb --luminaire 'panel*=panel.ies' --observers seats.csv -o glare.csv\n";
 
 typedef struct settings {
     const char *input, *observers, *output, *mesh;
@@ -236,7 +233,8 @@ int cli_glare_command(int argc, char **argv)
         CLI_READING_OPTIONS(&s.reading),
         { .name = NULL },
     };
-    const cli_usage usage = { "glare", help, options, "IN", 1, 1 };
+    const cli_usage usage = { "glare", help, options, "IN", 1, 1,
+        "--observers -o --threshold --efficacy --samples --json --luminaire" };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
     if (s.observers && !s.output) return cli_usage_error("glare", "-o OUT.csv is missing");

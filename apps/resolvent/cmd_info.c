@@ -17,18 +17,13 @@
 static const char help[] =
     "usage: resolvent info SCENE [options]\n"
     "\n"
-    "Says what SCENE (a file or a built-in scene) holds once "
-    "its instances are placed:\n"
-    "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
-    "`resolvent solve` it also says what was solved. Of a luminaire (.ies, .ldt): its angles, "
-    "flux, peak\n"
-    "and power.\n"
+    "Lists the contents of SCENE (a file or a built-in scene) once its instances are placed: counts,\n"
+    "bounds, area, objects, materials, lights, cameras. For a file from `resolvent solve`, also what was\n"
+    "solved. For a luminaire (.ies, .ldt): its angles, flux, peak and power.\n"
     "\n"
-    "  --check            look for likely mistakes: flipped and doubled faces, open seams, gaps "
-    "that\n"
-    "                     light leaks through, tiny or huge scale, missing light; with what of "
-    "the\n"
-    "                     file is approximated or left out\n"
+    "  --check            look for likely mistakes: flipped and duplicate faces, open seams, gaps that\n"
+    "                     leak light, tiny or huge scale, missing light; and list what of the file is\n"
+    "                     approximated or ignored\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
         CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
     "examples:\n"
@@ -631,7 +626,8 @@ int cli_info(int argc, char **argv)
         CLI_FOG_OPTIONS(&r.environment),
         { .name = NULL },
     };
-    const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "info", help, options, "SCENE", 1, 1,
+        "--check --json --light-units --variant --time --clip" };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &r.name, &exit_status)) return exit_status;
     cli_session session;

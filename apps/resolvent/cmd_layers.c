@@ -11,14 +11,13 @@
 static const char help[] =
     "usage: resolvent layers IN.exr -o SHEET.{png,hdr,exr} [options]\n"
     "\n"
-    "Puts the layers of a picture (see `resolvent render --layers`) side by side, in reading "
-    "order,\n"
-    "each brightened by its own power of two, and prints their names with that exposure in stops.\n"
+    "Arranges the layers of a picture (see `resolvent render --layers`) side by side, in reading order.\n"
+    "Brightens each by its own power of two, and prints their names with that exposure in stops.\n"
     "\n"
     "  -o FILE            the sheet\n"
     "  --count N          at most N layers (default 6)\n"
-    "  --columns N        in a row (default 3)\n"
-    "  --exposure STOPS   the whole sheet brighter by 2^STOPS (default 0)\n"
+    "  --columns N        pictures per row (default 3)\n"
+    "  --exposure STOPS   brighten the whole sheet by 2^STOPS (default 0)\n"
     "\n"
     "examples:\n"
     "  resolvent render cornell-spheres -o orders.exr --layers\n"
@@ -110,7 +109,7 @@ int cli_layers(int argc, char **argv)
         { .name = "--exposure", .kind = CLI_REAL, .value = &s.exposure, .min = -64, .max = 64 },
         { .name = NULL },
     };
-    const cli_usage usage = { "layers", help, options, "IN.exr", 1, 1 };
+    const cli_usage usage = { "layers", help, options, "IN.exr", 1, 1, NULL };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
     if (!s.output) return cli_usage_error("layers", "-o SHEET.{png,hdr,exr} is missing");

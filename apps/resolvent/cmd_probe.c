@@ -13,15 +13,11 @@
 static const char help[] =
     "usage: resolvent probe SCENE --points IN.csv -o OUT.csv [options]\n"
     "\n"
-    "Reads irradiance (W/m2, linear RGB) at points of space. IN.csv holds one point and direction "
-    "per\n"
-    "line, x,y,z,nx,ny,nz (metres, y up; a header may name the columns in another order; '#' "
-    "starts a\n"
-    "comment). OUT.csv holds the same and r,g,b,err_r,err_g,err_b: irradiance and standard error.\n"
-    "A point is a virtual receiver: it casts no shadow. A point on a surface is taken to be on "
-    "the\n"
-    "side its normal points to.\n"
-    "SCENE may be a file of `resolvent solve`, which is solved already.\n"
+    "Reads irradiance (W/m2, linear RGB; lux with --photometric) at points. SCENE is a file, a built-in\n"
+    "scene, or a file from `resolvent solve`. Each line of IN.csv is a point and a direction:\n"
+    "x,y,z,nx,ny,nz (metres, y up). A header may name the columns in another order, and # starts a\n"
+    "comment. OUT.csv repeats these columns and adds r,g,b,err_r,err_g,err_b: irradiance and its standard\n"
+    "error. Points cast no shadow. A point on a surface is on the side that its normal points to.\n"
     "\n"
     "  --points FILE      the points\n"
     "  -o FILE            the readings\n"
@@ -29,20 +25,18 @@ static const char help[] =
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
         CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
-    "  --goal             spend elements on what these points see and on what lights that\n"
-    "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
-    "lux,err_lux, and\n"
-    "                     mean, minimum and uniformity (EN 12464-1) are printed\n"
-    "  --cylindrical      cylindrical illuminance too: the mean of 12 vertical receivers at each "
-    "point\n"
+    "  --goal             refine the surfaces that these points see, directly or through reflected light\n"
+    "  --photometric      lux instead of W/m2 (683 lm/W times luminance). OUT.csv holds lux,err_lux; mean,\n"
+    "                     minimum and uniformity (EN 12464-1) are printed\n"
+    "  --cylindrical      also cylindrical illuminance: the mean of 12 vertical receivers at each point\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
-    "  --threads N        default: one per processor; the readings do not depend on it\n"
-    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "  --threads N        default: one per core; the readings do not depend on it\n"
+    "  --stats FILE.json  what was done, time of each phase, norms and residuals (docs/stats.md)\n"
     "\n"
     "examples:\n"
     "  resolvent probe room.glb --points desk.csv -o desk-light.csv\n"
-    "  resolvent probe room.glb --points desk.csv -o judge.csv --mode reference --samples "
-    "1000000\n";
+    "  resolvent probe room.safetensors --points desk.csv -o desk-lux.csv --photometric\n"
+    "  resolvent probe room.glb --points desk.csv -o judge.csv --mode reference --samples 1000000\n";
 
 static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
     [RSV_PROBE_OPERATOR] = "operator",
@@ -84,7 +78,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
-    const cli_usage usage = { "probe", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = { "probe", help, options, "SCENE", 1, 1,
+        "--points -o --mode --photometric --samples --quality --env --light-units --luminaire" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (!s->points || !s->output)
         *exit_status =

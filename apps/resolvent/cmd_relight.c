@@ -23,53 +23,41 @@
 static const char help[] =
     "usage: resolvent relight OPERATOR -o OUT.{exr,png,hdr,safetensors} [options]\n"
     "\n"
-    "Changes lights and colours of a file of `resolvent solve`, solves again on the same operator "
-    "(no\n"
-    "ray is traced for it), and takes a picture or keeps the result as an operator file.\n"
+    "Changes the lights and colours of a file from `resolvent solve` and solves again on the same\n"
+    "operator, without tracing rays for it. Then renders a picture, or saves the result as an operator\n"
+    "file.\n"
     "\n"
-    "  -o FILE            the picture or operator file; repeat it for more than one\n"
-    "  --light NAME=SCALE multiply a light by SCALE; NAME is a punctual light, its node, or a "
-    "material\n"
-    "                     that emits.\n"
-    "                     NAME=R,G,B has a factor for each channel, as rsv_rt_relight takes them;\n"
-    "                     NAME=SCALE,R,G,B those times SCALE\n"
-    "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
-    "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
-    "their\n"
-    "                     triangles along\n"
-    "  --aim NAME=X,Y,Z   a spot light, luminaire or directional light that shines along X,Y,Z\n"
-    "  --add NAME=X,Y,Z,I a point light of I W/sr at a place of the scene; --light NAME=1,R,G,B "
-    "colours it\n"
-    "  --env-intensity S  multiply the surroundings by S\n"
-    "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
-    "above\n"
-    "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
-    "                     Lines of FRAME light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
-    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z aim.NAME=X,Y,Z\n"
-    "                     place.object=X,Y,Z env-rotate=DEG env-intensity=S;\n"
-    "                     env-rotate=DEG env-intensity=S;\n"
-    "                     what lies between two lines changes evenly. Where strengths and colours\n"
-    "                     of lights alone change, what each light shows is rendered once, and\n"
-    "                     frames are sums of that\n"
-    "  --object FILE      a rigid object, lit and shown in --mode operator without solving for "
-    "it;\n"
-    "                     a script places it, metres from where its file has it (docs/view.md)\n"
+    "  -o FILE            the picture or operator file; repeat it for more\n"
+    "  --light NAME=SCALE multiply a light by SCALE. NAME is a punctual light, its node, or an emissive\n"
+    "                     material. NAME=R,G,B: a factor for each channel; NAME=SCALE,R,G,B: both\n"
+    "  --albedo MATERIAL=R,G,B  another base colour for a plain diffuse material\n"
+    "  --move NAME=X,Y,Z  move a light by so many metres; a lamp takes its triangles along\n"
+    "  --aim NAME=X,Y,Z   turn a spot light, luminaire or directional light to shine along X,Y,Z\n"
+    "  --add NAME=X,Y,Z,I add a point light of I W/sr at X,Y,Z; --light NAME=1,R,G,B colours it\n"
+    "  --env-intensity S  multiply the environment by S\n"
+    "  --env-rotate DEG   rotate it to DEG degrees about the vertical, counter-clockwise from above\n"
+    "  --script FILE      render a sequence; -o day-%04d.png numbers the files. Each line of the script\n"
+    "                     is a frame number and settings: light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
+    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z aim.NAME=X,Y,Z place.object=X,Y,Z\n"
+    "                     env-rotate=DEG env-intensity=S. Frames between two lines are interpolated. If\n"
+    "                     only strengths and colours of lights change, the picture of each light is\n"
+    "                     rendered once, and frames are sums of these\n"
+    "  --object FILE      with --mode operator: a rigid object that is lit and shown but not solved for; a\n"
+    "                     script moves it, in metres from its position in its file (docs/view.md)\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
-    "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
+    "  --size WxH         pixels (default: 512 on the longer side, with the camera's aspect ratio)\n"
     "  --spp N            camera rays per pixel (default 9)\n"
-    "  --camera NAME      one of `resolvent info OPERATOR` (default: the first)\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default: of scenes from files what shows\n"
-    "                     them well as they were solved, the same for all frames; else 0)\n"
-    "  --seed N           another set of random numbers for the picture (default 0)\n"
-    "  --threads N        default: one per processor; the result does not depend on "
-    "it\n" CLI_DEVICE_HELP
-    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "  --camera NAME      a camera listed by `resolvent info OPERATOR` (default: the first)\n"
+    "  --exposure STOPS   brighten .png by 2^STOPS (default: automatic for files, chosen for the light as\n"
+    "                     solved and the same for all frames; 0 for built-in scenes)\n"
+    "  --seed N           seed of the picture's random numbers (default 0)\n"
+    "  --threads N        default: one per core; the result does not depend on it\n" CLI_DEVICE_HELP
+    "  --stats FILE.json  what was done, time of each phase, norms and residuals (docs/stats.md)\n"
     "\n"
     "examples:\n"
     "  resolvent relight room.safetensors --light lamp=0.5,1,0.8,0.6 -o evening.png\n"
     "  resolvent relight room.safetensors --script day.txt -o day-%03d.png --size 320x180\n"
-    "  resolvent relight room.safetensors --light sun=0 --albedo wall=0.2,0.3,0.8 -o "
-    "night.safetensors\n";
+    "  resolvent relight room.safetensors --light sun=0 --albedo wall=0.2,0.3,0.8 -o night.safetensors\n";
 
 static const char *const mode_names[] = {
     [RSV_RENDER_OPERATOR] = "operator", [RSV_RENDER_FINAL] = "final", NULL
@@ -241,7 +229,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
-    const cli_usage usage = { "relight", help, options, "OPERATOR", 1, 1 };
+    const cli_usage usage = { "relight", help, options, "OPERATOR", 1, 1,
+        "-o --light --albedo --move --add --env-rotate --script --size --camera --exposure" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     *exit_status = CLI_BAD_USAGE;
     if (s->outputs.count == 0) {

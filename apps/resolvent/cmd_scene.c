@@ -12,18 +12,18 @@ static const char help[] =
     "\n"
     "  cornell-blocks   the Cornell box with its two white blocks, as published\n"
     "  cornell-spheres  the Cornell box with two glass spheres\n"
-    "  cornell-glass    the Cornell box around a body of glass\n"
-    "  cornell-marble   the same of marble\n"
-    "  cornell-plaster  the same of plaster\n"
-    "  cornell-showcase the same, smaller, behind two glass spheres\n"
+    "  cornell-glass    the Cornell box with a glass body\n"
+    "  cornell-marble   the same with a marble body\n"
+    "  cornell-plaster  the same with a plaster body\n"
+    "  cornell-showcase the same with a smaller body, behind two glass spheres\n"
     "  character        a head and shoulders, to be lit by an environment\n"
-    "  furnace          closed, every surface emits and reflects alike: the answer is known\n"
-    "  two-rooms        light reaches the second room through a door ajar\n"
-    "  gallery          a row of rooms with many lights; gallery:20 has 20 of them (default 6)\n"
-    "  terraces         stepped pyramids and wells under the sun; terraces:1e6 has about a\n"
-    "                   million triangles (default 1e5)\n"
-    "\n" CLI_MESH_HELP "                     (default: one of our own making)\n"
+    "  furnace          a closed box whose light is known exactly: every surface emits and reflects alike\n"
+    "  two-rooms        light enters the second room through a door left ajar\n"
+    "  gallery          a row of rooms with many lights; gallery:20 has 20 rooms (default 6)\n"
+    "  terraces         stepped pyramids and wells under the sun; terraces:1e6 has about a million\n"
+    "                   triangles (default 1e5)\n"
     "\n"
+    "  -o FILE            the file to write\n" CLI_MESH_HELP "\n"
     "examples:\n"
     "  resolvent scene cornell-spheres -o spheres.glb\n"
     "  resolvent scene cornell-glass --mesh dragon.ply -o dragon.glb\n"
@@ -47,7 +47,7 @@ int cli_scene(int argc, char **argv)
         CLI_MESH_OPTION(&mesh),
         { .name = NULL },
     };
-    const cli_usage usage = { "scene", help, options, "NAME of a built-in scene", 1, 1 };
+    const cli_usage usage = { "scene", help, options, "NAME of a built-in scene", 1, 1, NULL };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
     if (!output) return cli_usage_error("scene", "-o OUT.glb is missing");

@@ -10,11 +10,11 @@
 static const char help[] =
     "usage: resolvent sheet IN... -o SHEET.{png,hdr,exr} [options]\n"
     "\n"
-    "Puts pictures of one size (.exr, .hdr, .png, .jpg) side by side, in reading order.\n"
+    "Arranges pictures of the same size (.exr, .hdr, .png, .jpg) side by side, in reading order.\n"
     "\n"
     "  -o FILE            the sheet\n"
-    "  --columns N        in a row (default 3)\n"
-    "  --exposure STOPS   brighter by 2^STOPS (default 0)\n"
+    "  --columns N        pictures per row (default 3)\n"
+    "  --exposure STOPS   brighten by 2^STOPS (default 0)\n"
     "\n"
     "examples:\n"
     "  resolvent compare judge.exr ours.exr -o difference.exr\n"
@@ -82,7 +82,7 @@ int cli_sheet(int argc, char **argv)
         { .name = "--exposure", .kind = CLI_REAL, .value = &s.exposure, .min = -64, .max = 64 },
         { .name = NULL },
     };
-    const cli_usage usage = { "sheet", help, options, "IN", 1, max_count };
+    const cli_usage usage = { "sheet", help, options, "IN", 1, max_count, NULL };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, s.input, &exit_status)) return exit_status;
     if (!s.output) return cli_usage_error("sheet", "-o SHEET.{png,hdr,exr} is missing");

@@ -15,26 +15,25 @@
 static const char help[] =
     "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
     "\n"
-    "Solves the light of SCENE (a file or a built-in scene) and keeps it: scene, light-transport\n"
-    "operator and solution in one file that `render`, `probe`, `relight`, `bake`, `certify` and "
-    "`info`\n"
-    "take in place of a scene, and that numpy reads without us (docs/operator-files.md).\n"
+    "Solves the light of SCENE (a file or a built-in scene) and saves it. The file holds the scene, the\n"
+    "operator and the solution. `render`, `probe`, `relight`, `bake`, `view`, `certify` and `info` accept\n"
+    "it in place of a scene, and NumPy can read it (docs/operator-files.md).\n"
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
         CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
-    "  --goal             spend elements on what the camera sees and on what lights that\n"
-    "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
-    "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
-    "                     for `resolvent probe`)\n" CLI_CHECKPOINT_HELP
-    "  --no-document      leave out the glTF file of SCENE, which `bake` writes the light into\n"
-    "  --eigenvalues N    print the N largest eigenvalues of the operator, found by SLEPc\n"
-    "  --threads N        default: one per processor; the file does not depend on "
-    "it\n" CLI_DEVICE_HELP
-    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "  --goal             refine the surfaces that the camera sees, directly or through reflected light\n"
+    "  --camera NAME      with --goal: a camera listed by `resolvent info SCENE` (default: the first)\n"
+    "  --points FILE.csv  refine for the irradiance at these points instead (x,y,z,nx,ny,nz, as for\n"
+    "                     `resolvent probe`)\n" CLI_CHECKPOINT_HELP
+    "  --no-document      leave out the glTF file of SCENE, which `bake` needs\n"
+    "  --eigenvalues N    print the N largest eigenvalues of the operator, computed by SLEPc\n"
+    "  --threads N        default: one per core; the file does not depend on it\n" CLI_DEVICE_HELP
+    "  --stats FILE.json  what was done, time of each phase, norms and residuals (docs/stats.md)\n"
     "\n"
     "examples:\n"
     "  resolvent solve room.glb -o room.safetensors --quality high\n"
-    "  resolvent render room.safetensors -o room.png\n";
+    "  resolvent render room.safetensors -o room.png\n"
+    "  resolvent relight room.safetensors --light lamp=0.5 -o dim.png\n";
 
 enum { MOST_EIGENVALUES = 256 };
 
@@ -78,7 +77,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = NULL },
     };
-    const cli_usage usage = { "solve", help, options, "SCENE", 1, 1 };
+    const cli_usage usage = {
+        "solve", help, options, "SCENE", 1, 1,
+        "-o --quality --error --max-time --env --light-units --checkpoint --max-memory --goal --stats"
+    };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->goal && s->points) {
         *exit_status =
@@ -173,7 +175,6 @@ int cli_solve(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
-    session.clear_air = "an operator file";
     session.keep_document = !s.no_document;
     exit_status = run(&session, &s);
     cli_session_end(&session);

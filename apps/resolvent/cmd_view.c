@@ -21,34 +21,57 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char help_head[] =
+static const char help[] =
     "usage: resolvent view SCENE [options]\n"
     "\n"
-    "Opens a window onto the light of SCENE (a file, a built-in scene, or a file of `resolvent\n"
-    "solve`): fly through it, drag lights, change their strength and colour, see each order of\n"
-    "light by itself. F1 in the window lists keys and mouse. What is not solved yet is shown at\n"
-    "once as a sketch, then in a coarse light, and in better ones as they are made meanwhile.\n"
+    "Opens a window that shows the light of SCENE (a file, a built-in scene, or a file from `resolvent\n"
+    "solve`). Fly around, drag lights, change their strength and colour, and show single orders of light.\n"
+    "F1 in the window lists keys and mouse actions. A scene that is not solved yet appears at once as a\n"
+    "sketch, and improves as its light is solved in the background.\n"
     "\n"
     "  --size WxH         pixels of the window (default 960x540)\n"
-    "  --camera NAME      to begin with\n"
-    "  --object FILE      a rigid object that moves: drag its ring, or `place` it in a script; lit "
-    "by\n"
-    "                     the scene, with its shadow and its images (docs/view.md)\n"
-    "  --exposure STOPS   brighter by 2^STOPS, to begin with (default: of scenes from files what\n"
-    "                     shows their first light well, said in a note; of built-in ones 0)\n"
-    "  --budget MS        milliseconds of a frame for orders of light while it changes (default "
-    "8)\n"
+    "  --camera NAME      the camera to start with\n"
+    "  --object FILE      a rigid object that moves, with its shadow and reflections: drag its ring, or\n"
+    "                     use `place` in a script (docs/view.md)\n"
+    "  --exposure STOPS   brighten by 2^STOPS at the start (default: automatic for files, from their\n"
+    "                     first light, and printed; 0 for built-in scenes)\n"
+    "  --budget MS        milliseconds per frame for orders of light while it changes (default 8)\n"
     "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
     "  --frames N         close after N frames\n"
-    "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
-    "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
-    "                     --frames or the script says; the same ones every time but for the times\n"
-    "                     that are shown (`show hud` hides them)\n" CLI_MESH_HELP CLI_READING_HELP
-        CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
-    "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
-    "commands of scripts:\n";
-
-static const char help_tail[] =
+    "  --stats FILE.json  when each quality was first shown, and frame times\n"
+    "  --record DIR       write each frame to DIR/frame-0000.png, ... instead of opening a window; as\n"
+    "                     many as --frames or the script says. Repeated runs give the same pictures,\n"
+    "                     except for the times shown (`show hud` hides them)\n" CLI_MESH_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+    "  --threads N        default: one per core\n" CLI_DEVICE_HELP "\n"
+    "script commands:\n"
+    "  orbit YAW PITCH        rotate about the middle of the scene, degrees\n"
+    "  look YAW PITCH         rotate the camera, degrees\n"
+    "  fly RIGHT UP FORWARD   move the camera, metres\n"
+    "  dolly FACTOR           multiply the distance by FACTOR\n"
+    "  camera NAME            go to a camera of the scene\n"
+    "  select ITEM            light.NAME, albedo.MATERIAL, environment or object; next, previous, none\n"
+    "  intensity SCALE        set the selected light; `brighten STOPS` changes it\n"
+    "  color R G B            set factors of a light, or a material's albedo; `tint R G B` adds to them\n"
+    "  move X Y Z             move the selected light or object, metres from where it started; `nudge`\n"
+    "                         adds to that\n"
+    "  place X Y Z DEG        move the object, metres from its position in its file, and turn it about\n"
+    "                         the vertical\n"
+    "  add NAME X Y Z         add a point light, and select it\n"
+    "  albedo MATERIAL R G B  set a base colour\n"
+    "  env-rotate DEG         rotate the environment; `turn DEG` adds to that\n"
+    "  mode NAME              operator, final, occlusion, occlusion-screen, error, next\n"
+    "  layer NAME             all, emission, direct, a number of bounces, next, previous\n"
+    "  exposure STOPS         set the exposure; `expose STOPS` adds to it\n"
+    "  tone NAME              clip, soft, next\n"
+    "  show WHAT              switch on or off: hud, help, stereo, markers\n"
+    "  separation METRES      distance between the eyes in stereo\n"
+    "  pick X Y, drag DX DY, release   the mouse; the picture is 1 wide and 1 high\n"
+    "  point X Y              read lux there from now on, as under the mouse; scripts print it\n"
+    "  screenshot FILE        save the picture without panels: .png, .exr, .hdr\n"
+    "  panorama FILE          save an equirectangular picture from the camera\n"
+    "  reset                  undo everything\n"
+    "  quit\n"
     "\n"
     "examples:\n"
     "  resolvent view cornell-spheres\n"
@@ -118,13 +141,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_FOG_OPTIONS(&s->environment),
         { .name = NULL },
     };
-    const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
-    if (cli_parse(&usage, argc, argv, &s->scene, exit_status)) return true;
-    if (*exit_status == CLI_SUCCESS) { // --help
-        fputs(cli_view_command_help, stdout);
-        fputs(help_tail, stdout);
-    }
-    return false;
+    const cli_usage usage = { "view", help, options, "SCENE", 1, 1,
+        "--size --camera --exposure --object --script --record --env --quality" };
+    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
 }
 
 // ---- opening ------------------------------------------------------------------------------------------
@@ -277,7 +296,8 @@ static void close_viewer(viewer *v)
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
     free(v->time_ms);
-    if (v->made_folder) rmdir(v->settings->record); // where no frame came to be: else it is not empty
+    if (v->made_folder)
+        rmdir(v->settings->record); // where no frame came to be: else it is not empty
 }
 
 // ---- frames ---------------------------------------------------------------------------------------------

@@ -24,10 +24,10 @@ typedef struct cli_error_target {
 // clang-format on
 
 #define CLI_ERROR_TARGET_HELP                                                                      \
-    "  --error P%         refine, from --quality on, until the certificate's estimate of the\n"    \
-    "                     irradiance's relative error is below P percent (upper end of its 95 %\n" \
-    "                     interval; with a goal: of what that reads), or until a budget ends\n"    \
-    "  --max-time S       --error: seconds (default: as long as it takes)\n"
+    "  --error P%         refine, starting from --quality, until the estimated relative error of the\n"\
+    "                     irradiance (with --goal: of the goal's reading) is below P percent with 95 %\n"\
+    "                     confidence, or a limit is reached\n"                                     \
+    "  --max-time S       with --error: stop after S seconds (default: no limit)\n"
 
 /// Solves once within the budget of `desc`, or until the target is reached.
 /// @param certificate of the solution, where there is a target

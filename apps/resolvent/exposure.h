@@ -21,8 +21,8 @@
     }
 
 #define CLI_EXPOSURE_HELP                                                                          \
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default: of scenes from files what shows\n"   \
-    "                     them well, said in a note; of built-in ones 0)\n"
+    "  --exposure STOPS   brighten .png by 2^STOPS (default: automatic for files, and printed; 0 for\n"\
+    "                     built-in scenes)\n"
 
 /// Whether the exposure is to be found: none was asked for, and the scene is no built-in one, solved or not.
 /// @param name of the scene or operator file

@@ -18,23 +18,22 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    { "render", cli_render, "a picture of a scene, from the solved operator or path traced" },
-    { "solve", cli_solve, "the solved operator of a scene, kept in a file" },
-    { "relight", cli_relight, "a solved operator under other lights and colours" },
-    { "bake", cli_bake, "solved light in a glTF file, for engines and web pages" },
-    { "view", cli_view, "a window onto the light of a scene, or frames of one by a script" },
-    { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
-    { "daylight", cli_daylight, "daylight at sensors over a year of weather, for reports" },
-    { "fit", cli_fit, "strengths of lights that meet wanted lux at least power" },
-    { "certify", cli_certify, "how wrong the solved light of a scene is: a bound and an estimate" },
-    { "compare", cli_compare, "how one picture differs from another" },
-    { "layers", cli_layers, "the layers of a picture side by side" },
-    { "falsecolor", cli_falsecolor,
-        "the luminance of a picture in colours, with a scale in cd/m2" },
-    { "glare", cli_glare_command, "glare of a fisheye view: DGP and UGR" },
-    { "sheet", cli_sheet, "pictures side by side" },
+    { "render", cli_render, "render a picture, from the solved light or path traced" },
+    { "solve", cli_solve, "solve the light of a scene and save it as an operator file" },
+    { "relight", cli_relight, "change the lights and colours of an operator file" },
+    { "bake", cli_bake, "write solved light into a glTF file, for engines and web pages" },
+    { "view", cli_view, "open a window onto the light of a scene, or record frames" },
+    { "probe", cli_probe, "read irradiance or lux at points, with standard errors" },
+    { "daylight", cli_daylight, "report daylight over a year of weather" },
+    { "fit", cli_fit, "find how far to dim lights for target lux with the least power" },
+    { "certify", cli_certify, "measure the error of the solved light: a bound and an estimate" },
+    { "compare", cli_compare, "measure how one picture differs from another" },
+    { "layers", cli_layers, "show the layers of a picture side by side" },
+    { "falsecolor", cli_falsecolor, "show luminance or lux in colours, with a scale" },
+    { "glare", cli_glare_command, "compute glare of a view: DGP and UGR" },
+    { "sheet", cli_sheet, "arrange pictures side by side" },
     { "scene", cli_scene, "write a built-in scene as a .glb file" },
-    { "info", cli_info, "what a scene holds: counts, bounds, materials, lights, cameras" },
+    { "info", cli_info, "list the contents of a scene, and check it for mistakes" },
     { "bench", cli_bench, "measure this machine" },
 };
 
@@ -50,13 +49,13 @@ static void print_help(void)
     printf("\n"
            "`resolvent COMMAND --help` explains a command, with examples. To begin:\n\n"
            "  resolvent render cornell-spheres -o spheres.png\n"
-           "  resolvent render cornell-spheres -o judge.exr --mode reference\n\n"
+           "  resolvent view cornell-spheres\n\n"
            "SCENE is a file (.gltf, .glb, .obj, .ply, .fbx, .dae, .stl) or the name of a built-in "
            "scene:");
     for (const char *const *name = rsv_scene_builtin_names(); *name; name++)
         printf(" %s", *name);
     printf(
-        "\nExit status: 0 success, 2 wrong usage, 1 anything else, with one line that says why.\n");
+        "\nExit status: 0 success, 2 wrong usage, 1 any other error, with one line that says why.\n");
 }
 
 static const command *find_command(const char *name)
@@ -105,13 +104,13 @@ static bool processor_serves(void)
 #endif
 }
 
-/// All commands, or the one that is named.
+/// All commands, or the one that is named; "all" after it asks for all of its options.
 static int help(int argc, char **argv)
 {
     static char option[] = "--help";
-    char *arguments[] = { option, NULL };
+    char *arguments[] = { option, argc > 1 ? argv[1] : NULL, NULL };
     const command *found = argc > 0 ? find_command(argv[0]) : NULL;
-    if (found) return found->run(1, arguments);
+    if (found) return found->run(argc > 1 ? 2 : 1, arguments);
     if (argc > 0) return report_unknown_command(argv[0]);
     print_help();
     return CLI_SUCCESS;

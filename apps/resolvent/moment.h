@@ -13,8 +13,8 @@
 
 /// Their lines in a command's help.
 #define CLI_MOMENT_HELP                                                                            \
-    "  --time S           glTF: the scene S seconds into its animation (default: at rest)\n"       \
-    "  --clip NAME        which animation, one of `resolvent info SCENE`; all = all at once\n"     \
+    "  --time S           glTF: pose the scene at S seconds of its animation (default: rest pose)\n"\
+    "  --clip NAME        the animation to play, as listed by `resolvent info SCENE`; all = all at once\n"\
     "                     (default: the first)\n"
 
 /// Frames of an animation: --frames A-B --fps N. Frame 0 is at 0 s.
@@ -34,9 +34,9 @@ typedef struct cli_sequence {
 // clang-format on
 
 #define CLI_SEQUENCE_HELP                                                                          \
-    "  --frames A-B       a picture for each of these frames of the animation, frame 0 at 0 s;\n"  \
-    "                     -o walk-%04d.png numbers them. What stays lit as it was is not solved\n" \
-    "                     again. Without --quality: medium\n"                                      \
+    "  --frames A-B       render these frames of the animation; frame 0 is at 0 s. -o walk-%04d.png\n"\
+    "                     numbers the files. Light that does not change is not solved again.\n"    \
+    "                     --quality defaults to medium\n"                                          \
     "  --fps N            frames per second (default 24)\n"
 
 /// Reads `frames`; says what is wrong with it on standard error.

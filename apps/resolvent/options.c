@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "crew.h"
+#include "help.h"
 #include "near_name.h"
 
 #include <assert.h>
@@ -274,26 +275,6 @@ static int check_company(const cli_usage *usage, uint64_t given)
     return CLI_SUCCESS;
 }
 
-static void print_choices(const cli_option *option)
-{
-    for (size_t k = 0; option->choices[k]; k++)
-        printf("%s%s", k ? ", " : "", option->choices[k]);
-}
-
-static void print_help(const cli_usage *usage)
-{
-    const char *text = usage->help;
-    for (const char *brace; (brace = strstr(text, "{--")); text = strchr(brace, '}') + 1) {
-        char name[32];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(brace + 1, "}"), brace + 1);
-        const cli_option *option = find_option(usage, name);
-        assert(option && option->choices);
-        fwrite(text, 1, (size_t)(brace - text), stdout);
-        print_choices(option);
-    }
-    fputs(text, stdout);
-}
-
 bool cli_parse(
     const cli_usage *usage, int argc, char **argv, const char **operands, int *exit_status)
 {
@@ -306,7 +287,7 @@ bool cli_parse(
     for (int i = 0; i < argc;) {
         const char *argument = argv[i];
         if (!options_ended && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)) {
-            print_help(usage);
+            cli_print_help(usage, i + 1 < argc && strcmp(argv[i + 1], "all") == 0);
             return false;
         }
         if (!options_ended && strcmp(argument, "--") == 0) {

@@ -40,11 +40,12 @@ typedef struct cli_option {
 } cli_option;
 
 typedef struct cli_usage {
-    const char *command;       ///< "render", as in `resolvent render --help`
-    const char *help;          ///< what --help prints; {--name} in it: the choices of that option
+    const char *command; ///< "render", as in `resolvent render --help`
+    const char *help;    ///< what --help all prints; {--name} in it: the choices of that option
     const cli_option *options; ///< ends with a NULL name; 64 at most
     const char *operands;      ///< names of the positional arguments, for messages: "SCENE"
     size_t operand_min, operand_max;
+    const char *common; ///< options that --help explains, separated by spaces; NULL = all
 } cli_usage;
 
 /// Fills the options and operands.

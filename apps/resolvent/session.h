@@ -66,8 +66,7 @@ typedef struct cli_session {
         .name = "--mesh", .kind = CLI_TEXT, .value = (path)                                        \
     }
 #define CLI_MESH_HELP                                                                              \
-    "  --mesh FILE        the body in cornell-glass, cornell-marble (a dragon) or character (a "   \
-    "head)\n"
+    "  --mesh FILE        another body for cornell-glass, -marble, -plaster, -showcase or character\n"
 
 // clang-format off
 /// The options that fill a cli_reading, for a command's table; it goes to the session once that has begun.
@@ -81,21 +80,14 @@ typedef struct cli_session {
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_READING_HELP                                                                           \
-    "  --light-units U    what a file's strengths of lights mean: watt (W/sr, W/m2), "             \
-    "photometric\n"                                                                                \
-    "                     (candela, lux: divided by 683 lm/W), or auto (default), by the "         \
-    "program\n"                                                                                    \
-    "                     that wrote the file\n"                                                   \
-    "  --two-sided        show materials of a file from both sides that it has single-sided\n"     \
-    "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
-    "it\n"                                                                                         \
-    "                     says; or both\n"                                                         \
-    "  --variant NAME     the materials of a variant that a glTF file offers\n"                    \
-    "  --luminaire NAME=FILE  a measured luminaire (.ies, .ldt) in place of the light NAME, or "   \
-    "at "                                                                                          \
-    "the\n"                                                                                        \
-    "                     node or object NAME; * stands for any text\n"
+#define CLI_READING_HELP                                                                                   \
+    "  --light-units U    units of the file's lights: watt (W/sr, W/m2), photometric (candela and lux,\n"  \
+    "                     divided by 683 lm/W), or auto (default): known from the exporting program\n"     \
+    "  --two-sided        treat single-sided materials of the file as double-sided\n"                      \
+    "  --emit SIDES       emissive materials emit from: file (default), as the file says; or both sides\n" \
+    "  --variant NAME     use this material variant of a glTF file\n"                                      \
+    "  --luminaire NAME=FILE  replace the light NAME, or add to the node or object NAME, a measured\n"     \
+    "                     luminaire (.ies, .ldt); * matches any text\n"
 
 extern const char *const cli_light_unit_names[], *const cli_emit_names[];
 
@@ -131,11 +123,11 @@ typedef struct cli_environment {
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_ENVIRONMENT_HELP                                                                       \
-    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr), or\n" \
-    "                     without a file: white (radiance 1 all around) or sky (a clear day)\n"    \
-    "  --env-intensity S  multiply its radiance by S (default 1)\n"                                \
-    "  --env-rotate DEG   turn it about the vertical, counter-clockwise from above (default 0)\n"
+#define CLI_ENVIRONMENT_HELP                                                                              \
+    "  --env FILE         environment: a latitude-longitude picture (.hdr, .exr), or white (radiance 1\n" \
+    "                     from everywhere), or sky (a clear sky with its own sun)\n"                      \
+    "  --env-intensity S  multiply the environment by S (default 1)\n"                                    \
+    "  --env-rotate DEG   rotate it about the vertical, counter-clockwise from above (default 0)\n"
 
 // clang-format off
 /// The options that fill its fog.
@@ -145,14 +137,12 @@ typedef struct cli_environment {
       .goes_with = "--fog" }
 // clang-format on
 
-#define CLI_FOG_HELP                                                                               \
-    "  --fog E[,A[,G]]    fill the air with a medium: extinction E per metre, albedo A (default "  \
-    "1)\n"                                                                                         \
-    "                     and mean cosine G of scattering (default 0); E and A may be R:G:B; "     \
-    "for\n"                                                                                        \
-    "                     render, probe and certify\n"                                             \
-    "  --fog-height H[,Y] above the height Y (default 0) it thins to 1/e every H metres; mode\n"   \
-    "                     reference alone\n"
+#define CLI_FOG_HELP                                                                                     \
+    "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n"   \
+    "                     cosine G of the scattering angle (default 0); E and A may be R:G:B. Not for\n" \
+    "                     bake and view\n"                                                               \
+    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n"   \
+    "                     --mode reference\n"
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
 /// Prints what went wrong; returns NULL then.

@@ -34,7 +34,7 @@ static bool refuse_scene_options(
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (environment && environment->fog.medium) {
-        cli_error("--fog: '%s' is a solved operator of clear air; only scenes take fog", name);
+        cli_error("--fog: '%s' is a solved operator with air of its own; solve anew with --fog", name);
         return false;
     }
     if (surrounded)

@@ -48,14 +48,13 @@ typedef struct cli_solve_choice {
 
 /// Their lines in a command's help.
 #define CLI_SOLVE_HELP                                                                             \
-    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"    \
-    "  --solver NAME      how the equation is solved (default auto):\n"                            \
+    "  --quality Q        draft, medium (default) or high: number of elements and rays\n"          \
+    "  --solver NAME      solver of the linear system (default auto):\n"                           \
     "                     {--solver}\n"                                                            \
-    "  --petsc OPTIONS    solve with PETSc, by its options: \"-ksp_type bcgs -ksp_monitor\"\n"     \
-    "  --seed N           another set of random numbers (default 0)\n"                             \
-    "  --max-elements N   elements of the operator at most: a coarser solution where N are too "   \
-    "few\n"                                                                                        \
-    "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
+    "  --petsc OPTIONS    solve with PETSc and these options, such as \"-ksp_type bcgs -ksp_monitor\"\n"\
+    "  --seed N           seed of the random numbers (default 0)\n"                                \
+    "  --max-elements N   at most N elements; the solution becomes coarser if it would need more\n"\
+    "  --max-memory SIZE  at most this much memory, such as 2GiB; likewise\n"
 
 /// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.
 bool cli_prepare_solve(const cli_solve_choice *choice);

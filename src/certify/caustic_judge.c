@@ -115,7 +115,7 @@ rsv_status rsv_caustic_judge_shoot(rsv_caustic_judge *judge, uint32_t seed, uint
     if (!judge->cell) return RSV_ERROR_MEMORY;
     for (int pass = 0; pass < 2; pass++) {
         counting c = { judge, pass, 0, 0 };
-        const rsv_photon_sink sink = { &c, land, NULL, NULL };
+        const rsv_photon_sink sink = { .user = &c, .land = land };
         RSV_TRY(rsv_photons_trace(&s->scene, s->lights, s->desc.photon_count,
             rsv_hash2(seed, (uint32_t)pass), &sink, rays));
         landed += (double)c.landed;

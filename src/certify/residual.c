@@ -284,20 +284,21 @@ rsv_residual rsv_residual_in_air(const rsv_residual_job *job, uint32_t voxel, ui
     const rsv_light_view *s = job->solution;
     const rsv_elements *e = s->elements;
     rsv_residual result = { 0 };
-    rsv_residual_job own = *job;
-    const receiver r = { .job = &own, .result = &result };
+    const receiver r = { .job = job, .result = &result };
     size_t node = rsv_elements_surface_nodes(e) + voxel;
     rsv_random random = rsv_random_from(stream, 0, 0xa12u);
     float u[3];
     for (int k = 0; k < 3; k++)
         u[k] = rsv_random_float(&random);
     rsv_vec3 place = rsv_voxel_place(e->voxels, voxel, u);
-    rsv_rgb stored = rgb_add(s->source[node], s->indirect[node]);
-    own.stored_caustics = false; // there are no photons in the air
+    rsv_rgb stored = rgb_add(s->source[node], s->indirect[node]), caustic = rgb_gray(0);
+    if (job->stored_caustics && s->caustics.coarse_caustic)
+        caustic = s->caustics.coarse_caustic[node];
     for (uint32_t half = 0; half < 2; half++) {
         uint32_t half_stream = rsv_hash3(stream, half, 0xc3a5u);
         rsv_rgb found =
             rgb_add(gather_in_air(&r, place, half_stream), direct_in_air(&r, place, half_stream));
+        found = rgb_add(found, caustic);
         result.residual[half] = rgb_sub(found, stored);
         result.irradiance[half] = stored;
     }

@@ -3,7 +3,7 @@
 #define RSV_PHOTON_PATH_H
 
 #if !defined(RSV_DEVICE_CODE)
-#include "../specular/fog_flight.h"
+#include "photon_air.h"
 #endif
 #include "../trace/ray.h"
 #include "photon_guide.h"
@@ -24,6 +24,8 @@ RSV_INLINE uint32_t rsv_photons_of_source(const rsv_photon_source *source, uint3
 {
     return (uint32_t)ceil(source->share * all);
 }
+
+struct rsv_fog_witness; // specular/fog_flight.h
 
 /// What all photons have in common.
 typedef struct rsv_shooting {
@@ -96,10 +98,24 @@ RSV_INLINE rsv_bsdf_event rsv_photon_draw(
     return rsv_specular_draw_specular(scene, path, u);
 }
 
+/// Takes a photon through the fog on the segment that it has set out on. False if it ends there, or leaves the scene.
+/// @param air is told of segments after a specular event; NULL = nobody is
+RSV_INLINE bool rsv_photon_cross(const rsv_transport_scene *scene, rsv_specular_path *path,
+    rsv_specular_move move, rsv_random *random, const struct rsv_fog_witness *air)
+{
+#if !defined(RSV_DEVICE_CODE)
+    if (scene->view->fog && path->turns > 0)
+        return rsv_photon_cross_fog(scene, path, move, random, air);
+#endif
+    (void)random, (void)air;
+    rsv_photon_dim(scene, path);
+    return move == RSV_SPECULAR_MOVED;
+}
+
 /// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.
-/// @param level as in rsv_photon
-RSV_INLINE bool rsv_photon_step(
-    const rsv_transport_scene *scene, rsv_specular_path *path, float *level, rsv_random *random)
+/// @param level as in rsv_photon @param air as in rsv_photon_cross
+RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_path *path,
+    float *level, rsv_random *random, const struct rsv_fog_witness *air)
 {
     rsv_bsdf_event event = rsv_photon_draw(scene, path, random);
     bool passes = event.lobe == RSV_LOBE_PASS;
@@ -108,8 +124,8 @@ RSV_INLINE bool rsv_photon_step(
     bool first = path->turns == 0 && !passes;
     rsv_rgb weight = event.weight;
     if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));
-    if (rsv_specular_follow(scene, path, &event, weight) != RSV_SPECULAR_MOVED) return false;
-    rsv_photon_dim(scene, path);
+    rsv_specular_move move = rsv_specular_follow(scene, path, &event, weight);
+    if (!rsv_photon_cross(scene, path, move, random, air)) return false;
     float left = rgb_max(path->weight);
     if (path->turns == 0) return true;
     if (first) *level = left;
@@ -121,10 +137,11 @@ RSV_INLINE bool rsv_photon_step(
 
 /// Comes to the next surface that the photon lands on, by at least one specular lobe: what merely passes blended surfaces
 /// is found by shadow rays. False if the photon ends.
-RSV_INLINE bool rsv_photon_scatter(
-    const rsv_transport_scene *scene, rsv_specular_path *path, float *level, rsv_random *random)
+/// @param air as in rsv_photon_cross
+RSV_INLINE bool rsv_photon_scatter(const rsv_transport_scene *scene, rsv_specular_path *path,
+    float *level, rsv_random *random, const struct rsv_fog_witness *air)
 {
-    while (rsv_photon_step(scene, path, level, random)) {
+    while (rsv_photon_step(scene, path, level, random, air)) {
         if (path->turns > 0) return true;
         if (!rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)])) return false;
     }

@@ -36,7 +36,7 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 static float worth(const photon_job *job, rsv_specular_path *path, rsv_random *random)
 {
     float level = 0;
-    if (!rsv_photon_scatter(job->scene, path, &level, random)) return 0;
+    if (!rsv_photon_scatter(job->scene, path, &level, random, NULL)) return 0;
     bool wanted = !job->sink->wants || job->sink->wants(job->sink->user, path);
     return f_min(level, 1) * (wanted ? 1 : RSV_UNWANTED_PHOTON);
 }
@@ -118,11 +118,26 @@ static void destroy_sources(photon_job *job)
 
 // ---- paths --------------------------------------------------------------------------------------
 
+/// A photon's way through fog, and who wants to know.
+typedef struct air_way {
+    const rsv_photon_sink *sink;
+    const rsv_photon *photon;
+} air_way;
+
+static void cross_air(void *user, const rsv_ray *ray, rsv_rgb weight)
+{
+    const air_way *way = user;
+    way->sink->cross(way->sink->user, ray, rgb_mul(way->photon->flux, weight));
+}
+
 static uint64_t shoot_one(const photon_job *job, uint32_t id, uint32_t index, uint32_t count)
 {
     rsv_photon photon;
+    air_way way = { job->sink, &photon };
+    const rsv_fog_witness witness = { &way, cross_air };
+    const rsv_fog_witness *air = job->sink->cross ? &witness : NULL;
     if (!rsv_photon_begin(&job->shooting, &job->source[id], id, index, count, &photon)) return 1;
-    while (rsv_photon_scatter(job->scene, &photon.path, &photon.level, &photon.random))
+    while (rsv_photon_scatter(job->scene, &photon.path, &photon.level, &photon.random, air))
         job->sink->land(job->sink->user, &photon.path, rgb_mul(photon.flux, photon.path.weight));
     return 1 + photon.path.rays;
 }
@@ -240,13 +255,21 @@ static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
     rsv_photon_land(maps->scene, path, flux, maps->targets->map, maps->targets->count);
 }
 
+static void light_air(void *user, const rsv_ray *ray, rsv_rgb flux)
+{
+    const map_set *maps = user;
+    for (size_t m = 0; m < maps->targets->count; m++)
+        if (maps->targets->elements[m]->voxels)
+            rsv_photon_map_light_air(&maps->targets->map[m], maps->scene->tracer, ray, flux);
+}
+
 rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
     const rsv_photon_targets *targets, uint64_t *rays)
 {
     rsv_status status = RSV_OK;
     rsv_photon_map *maps = targets->map;
     map_set set = { shooter->scene, targets };
-    const rsv_photon_sink sink = { &set, deposit, NULL, NULL };
+    const rsv_photon_sink sink = { &set, deposit, .cross = light_air };
     photon_job job = *shooter;
     job.sink = &sink;
     memset(maps, 0, targets->count * sizeof *maps);

@@ -21,6 +21,8 @@ typedef struct rsv_photon_sink {
     void (*collect)(void *user);
     /// NULL, or whether a photon that lands there is of any use, as far as is known: most go where many are.
     bool (*wants)(void *user, const rsv_specular_path *path);
+    /// NULL, or told of every segment through fog after a specular event, as `land` is. @param flux W, where the ray begins
+    void (*cross)(void *user, const rsv_ray *ray, rsv_rgb flux);
 } rsv_photon_sink;
 
 /// Shoots `count` light paths, guided towards directions in which each source sees specular surfaces that pass its

@@ -58,23 +58,21 @@ static double place_density(
     return 0.5 * polar + 0.5 * square / volume;
 }
 
-/// @param u in [0, 1)
+/// @param from a place on the light @param u in [0, 1)
 static rsv_rgb sample_near(const rsv_voxel_air *a, uint32_t voxel, const rsv_punctual_light *light,
-    const float u[3], uint64_t *rays)
+    rsv_vec3 from, const float u[3], uint64_t *rays)
 {
     rsv_vec3 place;
     rsv_punctual_sample sample = { .light = light };
-    if (!draw_place(a->voxels, voxel, light->position, u, &place) ||
-        !rsv_punctual_arriving(
-            a->setting.lights->lights->scene, light, light->position, place, &sample) ||
+    if (!draw_place(a->voxels, voxel, from, u, &place) ||
+        !rsv_punctual_arriving(a->setting.lights->lights->scene, light, from, place, &sample) ||
         rsv_voxels_find(a->voxels, a->setting.tracer, place) != voxel)
         return rgb_gray(0);
     ++*rays;
     rsv_ray shadow = rsv_punctual_ray(&sample, place);
     rsv_rgb seen = rsv_air_passed(&a->setting, &shadow, place, sample.direction, sample.distance);
     double square = (double)sample.distance * (double)sample.distance;
-    double density =
-        place_density(a->voxels, voxel, light->position, v3_neg(sample.direction), square);
+    double density = place_density(a->voxels, voxel, from, v3_neg(sample.direction), square);
     double scale = square / (density * (double)rsv_voxel_volume(a->voxels, voxel));
     return scale < INFINITY ? rgb_scale(rgb_mul(sample.irradiance, seen), (float)scale)
                             : rgb_gray(0);
@@ -88,13 +86,15 @@ rsv_air_receiver rsv_voxel_receiver(const rsv_voxels *v, uint32_t voxel, rsv_vec
 }
 
 rsv_rgb rsv_voxel_near_light(const rsv_voxel_air *a, uint32_t voxel, const rsv_air_receiver *r,
-    const float u[3], uint64_t *rays)
+    const float u[4], uint64_t *rays)
 {
     const rsv_lights *lights = a->setting.lights->lights;
     rsv_rgb sum = rgb_gray(0);
     for (size_t k = lights->distant_count; k < lights->punctual_count; k++) {
         const rsv_punctual_light *light = &lights->scene->light[lights->punctual[k]];
-        if (rsv_air_leaves_out(r, light)) sum = rgb_add(sum, sample_near(a, voxel, light, u, rays));
+        if (!rsv_air_leaves_out(r, light)) continue;
+        rsv_vec3 from = rsv_punctual_place_by(light, u[3], (uint32_t)k);
+        sum = rgb_add(sum, sample_near(a, voxel, light, from, u, rays));
     }
     return sum;
 }
@@ -114,9 +114,9 @@ static rsv_rgb from_near(
     uint32_t stream = rsv_hash3(a->job->setting.seed, voxel, 0x9e0u);
     if (!is_near_any(&a->air, r)) return sum;
     for (uint32_t n = 0; n < NEAR_LIGHT_SAMPLES; n++) {
-        float u[3];
+        float u[4];
         rsv_sobol_2d(n, stream, &u[0], &u[1]);
-        u[2] = rsv_sobol_1d(n, rsv_hash(stream));
+        rsv_sobol_2d(n, rsv_hash(stream), &u[2], &u[3]);
         sum = rgb_mad(
             sum, 1.0f / NEAR_LIGHT_SAMPLES, rsv_voxel_near_light(&a->air, voxel, r, u, rays));
     }

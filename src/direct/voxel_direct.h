@@ -17,7 +17,7 @@ rsv_air_receiver rsv_voxel_receiver(const rsv_voxels *voxels, uint32_t voxel, rs
 
 /// The mean fluence in the voxel of the lights that this leaves out: one sample. @param u in [0, 1)
 rsv_rgb rsv_voxel_near_light(const rsv_voxel_air *air, uint32_t voxel,
-    const rsv_air_receiver *receiver, const float u[3], uint64_t *rays);
+    const rsv_air_receiver *receiver, const float u[4], uint64_t *rays);
 
 /// A quarter of the mean fluence that voxels receive from sampled sources, by next-event estimates from places that are
 /// evenly distributed. Near point and spot lights, where fluence has no bound, places are distributed as it is.

@@ -29,6 +29,10 @@ rsv_status rsv_voxels_create(
     const rsv_transport_scene *scene, size_t target, uint64_t *rays, rsv_voxels **voxels);
 void rsv_voxels_destroy(rsv_voxels *voxels); ///< NULL is allowed
 
+/// Completes voxels of which grid, `begin`, `points`, `place_begin` and `place` were kept. RSV_ERROR_FORMAT if they do not fit
+/// each other.
+rsv_status rsv_voxels_restore(rsv_voxels *voxels);
+
 /// Adds the nodes of voxels to elements without any, which take them over, even on failure.
 rsv_status rsv_elements_add_voxels(rsv_elements *elements, rsv_voxels *voxels);
 

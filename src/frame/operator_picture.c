@@ -15,13 +15,13 @@ static bool is_frame_size(const rsv_render_desc *d)
            d->samples > 0;
 }
 
-/// Whether frames show what is wanted. What is wrong with a description, rsv_render says.
+/// Whether frames show what is wanted: in fog they interpolate. What is wrong with a description, rsv_render says.
 static bool is_for_frames(const rsv_light_view *s, const rsv_render_desc *d, rsv_frame_gloss gloss)
 {
     bool plain = d->mode == RSV_RENDER_OPERATOR && rsv_film_is_plain(&d->film) && !d->layers &&
                  d->noise == 0 && !d->shared_pattern && !d->gather_rays;
     bool sees = d->camera < s->scene.view->camera_count;
-    return plain && sees && is_frame_size(d) && !rsv_team_of(s->context) &&
+    return plain && sees && is_frame_size(d) && !rsv_team_of(s->context) && !s->scene.view->fog &&
            (gloss == RSV_GLOSS_REUSED || !rsv_any_glossy(&s->scene));
 }
 

@@ -28,7 +28,8 @@ RSV_INLINE void rsv_shooting_item(const rsv_shooting_args *a, uint32_t item)
     rsv_photon photon;
     bool begins = rsv_photon_begin(
         &r->shooting, &r->source[a->source], a->source, a->first + item, a->count, &photon);
-    while (begins && rsv_photon_scatter(&r->transport, &photon.path, &photon.level, &photon.random))
+    while (begins &&
+           rsv_photon_scatter(&r->transport, &photon.path, &photon.level, &photon.random, NULL))
         rsv_photon_land(&r->transport, &photon.path, rgb_mul(photon.flux, photon.path.weight),
             r->map, r->map_count);
     rsv_add_atomically(r->rays, 1 + (begins ? photon.path.rays : 0));

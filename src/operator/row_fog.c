@@ -38,10 +38,10 @@ static rsv_fog_flight fly(
 }
 
 /// A ray that fog has met on its way to the first surface.
-static rsv_gather follow_from_fog(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
-    const rsv_fog_flight *flight, rsv_vec3 direction, rsv_random *random)
+static rsv_gather follow_from_fog(const rsv_row_tracer *tracer, const rsv_fog_flight *flight,
+    rsv_vec3 direction, rsv_random *random)
 {
-    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
+    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer);
     rsv_specular_path path = rsv_specular_in_air(tracer->scene, NULL, direction);
     path.weight = flight->weight;
     return rsv_specular_gather_from_fog(tracer->scene, path, flight->place, random, &wanted);
@@ -80,7 +80,7 @@ void rsv_row_process_in_fog(const rsv_row_tracer *tracer, rsv_row_scratch *s, ui
         rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver[k]);
         if (flight.lands) {
             rsv_random random = rsv_random_from(tracer->seed ^ 0x2b7e1516u, r->index, ray);
-            rsv_gather gather = follow_from_fog(tracer, r, &flight, way.direction, &random);
+            rsv_gather gather = follow_from_fog(tracer, &flight, way.direction, &random);
             rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));
         } else if (meets) {
             rsv_specular_path path = rsv_row_begin_path(tracer, r, packet, (uint32_t)k);

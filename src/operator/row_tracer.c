@@ -70,12 +70,6 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t tu
     return rsv_gathering_counts(user, triangle, turns, true);
 }
 
-/// There are no photons in the air.
-static bool counts_in_air(const void *user, uint32_t triangle, uint32_t turns)
-{
-    return rsv_gathering_counts(user, triangle, turns, false);
-}
-
 static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
 
 static void add_tinted(rsv_row_scratch *s, uint32_t ray, uint32_t node, rsv_rgb weight)
@@ -182,9 +176,9 @@ static void track_path(void *user, const rsv_specular_path *path, bool left_scen
     rsv_row_track_visit(t->track, t->ray, t->scene, path, left_scene, from);
 }
 
-rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer)
 {
-    return (rsv_emission_wanted){ r->in_air ? counts_in_air : counts_by_gathering, tracer->lights };
+    return (rsv_emission_wanted){ counts_by_gathering, tracer->lights };
 }
 
 void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
@@ -207,7 +201,7 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     const rsv_row_receiver *r, float cos_receiver, rsv_specular_path path)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
-    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer, r);
+    const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer);
     tracked_ray tracked = { s->track, ray, tracer->scene->view };
     const rsv_specular_witness witness = { s->track ? track_path : NULL, &tracked };
     rsv_gather gather =

@@ -46,8 +46,7 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,
     const rsv_row_receiver *receiver, float cos_receiver, rsv_specular_path path);
 
 /// Emission that a row's rays count where they come to it.
-rsv_emission_wanted rsv_row_emission_wanted(
-    const rsv_row_tracer *tracer, const rsv_row_receiver *receiver);
+rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer);
 
 /// Notes what a ray has found, and where it ended. @param entered as in rsv_row_record_node @param random in [0, 1)
 void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,

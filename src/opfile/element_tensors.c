@@ -1,6 +1,8 @@
 /// Elements: what cannot be found in the scene again, and for other readers where each element is.
 #include "../elements/element_restore.h"
+#include "../elements/voxels.h"
 #include "exchange.h"
+#include "table.h"
 
 #include <string.h>
 
@@ -96,6 +98,22 @@ cleanup:
     return status;
 }
 
+static void place_node(const rsv_scene_view *scene, const rsv_elements *e, size_t node,
+    rsv_vec3 *position, rsv_vec3 *normal, uint32_t *triangle)
+{
+    size_t surfaces = rsv_elements_surface_nodes(e);
+    if (node < surfaces) {
+        rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)node);
+        *position = point.position;
+        *normal = point.normal;
+        *triangle = e->face_triangle[e->node_face[node]];
+        return;
+    }
+    *position = rsv_voxel_centre(e->voxels, (uint32_t)(node - surfaces));
+    *normal = v3(0, 0, 0);
+    *triangle = RSV_NONE;
+}
+
 /// Places, normals and triangles, for those who read files without us.
 static rsv_status write_places(
     rsv_tensor_file *file, const rsv_scene_view *scene, const rsv_elements *e)
@@ -105,10 +123,7 @@ static rsv_status write_places(
     rsv_vec3 *normal = rsv_alloc(e->context, e->node_count, sizeof *normal);
     uint32_t *triangle = rsv_alloc(e->context, e->node_count, sizeof *triangle);
     for (size_t n = 0; position && normal && triangle && n < e->node_count; n++) {
-        rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
-        position[n] = point.position;
-        normal[n] = point.normal;
-        triangle[n] = e->face_triangle[e->node_face[n]];
+        place_node(scene, e, n, &position[n], &normal[n], &triangle[n]);
     }
     // given, an array is the file's, whether it takes it or fails
     status = rsv_tensor_give(file, "position", RSV_TENSOR_F32, 3, e->node_count, position);
@@ -193,6 +208,8 @@ rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rs
     e->node_count = RSV_ANY_COUNT;
     status = exchange_nodes(file, e);
     if (status != RSV_OK) goto cleanup;
+    while (e->node_count > 0 && e->node_face[e->node_count - 1] == RSV_NONE)
+        e->node_count--; // voxels come back by themselves
     RSV_TRY(exchange_hanging(file, &h));
     RSV_TRY(join_hanging(e, &h));
     RSV_TRY(rsv_elements_restore_nodes(e));
@@ -201,5 +218,73 @@ rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rs
 cleanup:
     free_hanging(file->context, &h);
     rsv_elements_destroy(e);
+    return status;
+}
+
+// ---- voxels ---------------------------------------------------------------------------------------
+
+static const rsv_column grid_columns[] = {
+    RSV_FLOATS(rsv_voxels, low, 3),
+    RSV_FLOATS(rsv_voxels, size, 3),
+    { "side", RSV_TENSOR_U32, 3, offsetof(rsv_voxels, side), UINT32_MAX },
+};
+
+#define GRID_COLUMNS (sizeof grid_columns / sizeof *grid_columns)
+
+/// @param begins [cell_count + 1] @param places of cut voxels, [place_count]
+static rsv_status exchange_voxels(rsv_tensor_file *file, rsv_voxels *v)
+{
+    rsv_status status;
+    rsv_tensor_type u32 = RSV_TENSOR_U32;
+    size_t any = RSV_ANY_COUNT, begins = file->reading ? any : v->cell_count + 1;
+    size_t place_begins = file->reading ? any : v->count + 1;
+    RSV_TRY(rsv_tensor_exchange(file, "start", u32, 1, &v->begin, &begins));
+    RSV_TRY(rsv_tensor_exchange(file, "points", RSV_TENSOR_U16, 1, &v->points, &v->count));
+    if (file->reading) place_begins = v->count + 1;
+    RSV_TRY(rsv_tensor_exchange(file, "place_start", u32, 1, &v->place_begin, &place_begins));
+    RSV_TRY(rsv_tensor_exchange(file, "place", RSV_TENSOR_F32, 3, &v->place, &v->place_count));
+    if (file->reading && begins == 0) return rsv_tensor_fail(file, "start", "is empty");
+    v->cell_count = begins - 1;
+cleanup:
+    return status;
+}
+
+rsv_status rsv_write_voxels(rsv_tensor_file *file, const rsv_elements *e)
+{
+    if (!e->voxels) return RSV_OK;
+    rsv_voxels v = *e->voxels;
+    rsv_tensor_prefix(file, RSV_VOXEL_PREFIX);
+    rsv_status status = rsv_write_table(file, grid_columns, GRID_COLUMNS, &v, 1, sizeof v);
+    return status == RSV_OK ? exchange_voxels(file, &v) : status;
+}
+
+/// Whether the file's elements are as many as those read.
+static rsv_status check_node_count(rsv_tensor_file *file, const rsv_elements *e)
+{
+    rsv_tensor_prefix(file, RSV_COARSE_PREFIX);
+    const rsv_tensor *area = rsv_tensor_find(file, "area");
+    if (area && area->rank == 1 && area->shape[0] == e->node_count) return RSV_OK;
+    return rsv_tensor_fail(file, "face", "lists other elements in the air than there are voxels");
+}
+
+rsv_status rsv_read_voxels(rsv_tensor_file *file, rsv_elements *e)
+{
+    rsv_status status = RSV_OK;
+    rsv_voxels *v = NULL;
+    size_t one = 1;
+    rsv_tensor_prefix(file, RSV_VOXEL_PREFIX);
+    if (e->scene->fog && rsv_tensor_find(file, "low")) {
+        RSV_TRY(rsv_read_table(file, grid_columns, GRID_COLUMNS, &v, &one, sizeof *v));
+        v->context = file->context;
+        v->count = v->place_count = RSV_ANY_COUNT;
+        RSV_TRY(exchange_voxels(file, v));
+        RSV_TRY(rsv_voxels_restore(v));
+        rsv_voxels *own = v;
+        v = NULL;
+        RSV_TRY(rsv_elements_add_voxels(e, own));
+    }
+    RSV_TRY(check_node_count(file, e));
+cleanup:
+    rsv_voxels_destroy(v);
     return status;
 }

@@ -52,6 +52,11 @@ rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
 rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rsv_world *world,
     const rsv_elements *alike, rsv_elements **elements);
 
+/// Elements of the air, which follow those of surfaces.
+rsv_status rsv_write_voxels(rsv_tensor_file *file, const rsv_elements *elements);
+/// @param elements read before; those of the air are added @return RSV_ERROR_FORMAT too if they are not as many as were kept
+rsv_status rsv_read_voxels(rsv_tensor_file *file, rsv_elements *elements);
+
 /// Operator and light: elements, G, K, E0 and E.
 rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *light);
 rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_light **light);
@@ -78,5 +83,6 @@ rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene
 #define RSV_DIRECT_PREFIX "direct."
 #define RSV_CAUSTIC_PREFIX "caustic."
 #define RSV_DIFFUSED_PREFIX "diffused."
+#define RSV_VOXEL_PREFIX "voxel."
 
 #endif

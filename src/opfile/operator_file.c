@@ -51,8 +51,7 @@ rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene
     rsv_tensor_file file;
     rsv_light_basis *own = NULL;
     const rsv_light_view *s = rsv_light_get_view(solution);
-    rsv_status status = rsv_light_refuse_fog(s, "an operator file");
-    if (status == RSV_OK) status = rsv_tensor_file_begin(s->context, path, &file);
+    rsv_status status = rsv_tensor_file_begin(s->context, path, &file);
     if (status != RSV_OK) return status;
     RSV_TRY(write_provenance(&file, scene_name));
     RSV_TRY(rsv_write_scene(&file, s->scene.scene));

@@ -67,6 +67,17 @@ static const rsv_column texture_columns[] = {
     RSV_FLAG(rsv_texture_desc, nearest),
 };
 
+static const rsv_column fog_columns[] = {
+    RSV_FLOATS(rsv_fog, extinction, 3),
+    RSV_FLOATS(rsv_fog, albedo, 3),
+    RSV_FLOATS(rsv_fog, emission, 3),
+    RSV_FLOATS(rsv_fog, anisotropy, 1),
+    RSV_FLOATS(rsv_fog, scale_height, 1),
+    RSV_FLOATS(rsv_fog, base_height, 1),
+    RSV_FLOATS(rsv_fog, bounds_min, 3),
+    RSV_FLOATS(rsv_fog, bounds_max, 3),
+};
+
 static const rsv_column environment_columns[] = {
     RSV_FLOATS(rsv_environment, rotation, 1),
 };
@@ -264,6 +275,8 @@ rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene)
     RSV_TRY(write_texture_uses(file, &view));
     RSV_TRY(write_textures(file, &view));
     RSV_TRY(write_environment(file, view.environment));
+    rsv_tensor_prefix(file, "scene.fog.");
+    if (view.fog) RSV_TRY(WRITE_TABLE(file, fog_columns, view.fog, 1));
 cleanup:
     return status;
 }
@@ -396,6 +409,20 @@ cleanup:
     return status;
 }
 
+static rsv_status read_fog(rsv_tensor_file *file, rsv_scene *scene)
+{
+    rsv_status status;
+    rsv_fog *fog = NULL;
+    size_t one = 1;
+    rsv_tensor_prefix(file, "scene.fog.");
+    if (!rsv_tensor_find(file, "extinction")) return RSV_OK;
+    RSV_TRY(READ_TABLE(file, fog_columns, fog, &one));
+    RSV_TRY(rsv_scene_restore_fog(scene, fog));
+cleanup:
+    rsv_free(file->context, fog);
+    return status;
+}
+
 static rsv_status read_tables(scene_reader *r)
 {
     rsv_status status;
@@ -455,6 +482,7 @@ rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene)
     RSV_TRY(read_textures(&r));
     RSV_TRY(read_environment(&r));
     RSV_TRY(rsv_scene_restore(file->context, &r.parts, scene));
+    RSV_TRY(read_fog(file, *scene));
 cleanup:
     free_reader(&r);
     return status;

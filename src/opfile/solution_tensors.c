@@ -318,6 +318,7 @@ rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *s)
     RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &p.report));
     RSV_TRY(exchange_goal_points(file, &p));
     RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, scene, p.elements));
+    RSV_TRY(rsv_write_voxels(file, p.elements));
     RSV_TRY(exchange_transport(file, rows, s->gathered_scale));
     RSV_TRY(write_subsurface(file, s->subsurface));
     RSV_TRY(exchange_system(file, &p));
@@ -397,6 +398,7 @@ static rsv_status read_parts(rsv_tensor_file *file, const rsv_world *world, part
     rsv_light_fields *f = &p->field;
     RSV_TRY(read_notes(file, p));
     RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, world, NULL, &p->elements));
+    RSV_TRY(rsv_read_voxels(file, p->elements));
     RSV_TRY(read_transport(file, world->context, p));
     RSV_TRY(read_subsurface(file, world->context, p));
     RSV_TRY(exchange_system(file, p));
@@ -532,7 +534,7 @@ rsv_status rsv_write_basis(rsv_tensor_file *file, const rsv_light *s, const rsv_
     for (size_t k = 0; k < count; k++)
         name[k] = source[k].name;
     RSV_TRY(rsv_write_names(file, "light.name", name, count));
-    for (size_t k = 0; count > 1 && k < count; k++) {
+    for (size_t k = 0; rsv_light_has_parts(rsv_light_get_view(s)) && count > 1 && k < count; k++) {
         rsv_rgb scale = rgb_gray(1);
         rsv_light_part *part = part_of(basis, &source[k], &scale);
         if (part) RSV_TRY(write_part(file, s, k, part, scale));

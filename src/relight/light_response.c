@@ -232,6 +232,7 @@ rsv_status rsv_light_responses_create(const rsv_light *whole, rsv_light_response
     if (!b.basis) RSV_TRY(rsv_light_basis_create(whole, &own));
     if (!b.basis) b.basis = own;
     RSV_TRY(create_groups(&b));
+    if (b.basis->source_count > 1) RSV_TRY(rsv_light_require_parts(s));
     if (b.basis->source_count == 1)
         b.r->view[0] = s; // one source alone is the whole
     else

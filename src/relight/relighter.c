@@ -144,7 +144,7 @@ rsv_status rsv_relighter_create(rsv_light *light, rsv_relighter **relighter)
 {
     rsv_status status;
     rsv_relighter *r = NULL;
-    RSV_TRY(rsv_light_refuse_fog(rsv_light_get_view(light), "relighting"));
+    RSV_TRY(rsv_light_require_parts(rsv_light_get_view(light)));
     RSV_TRY(begin(light, &r));
     RSV_TRY(find_basis(r));
     RSV_TRY(fill_single_part(r));

@@ -35,12 +35,12 @@ static rsv_rgb sample_fluence(
 rsv_rgb rsv_fog_fluence_sample(const rsv_light_view *s, rsv_vec3 place, rsv_random *random)
 {
     const rsv_voxel_air air = { s->elements->voxels, setting_of(s) };
-    float u[3];
+    float u[4];
     uint64_t rays = 0;
     if (!air.voxels) return rgb_gray(0);
     uint32_t voxel = rsv_voxels_find(air.voxels, s->tracer, place);
     const rsv_air_receiver receiver = rsv_voxel_receiver(air.voxels, voxel, place);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 4; k++)
         u[k] = rsv_random_float(random);
     rsv_rgb near = rsv_voxel_near_light(&air, voxel, &receiver, u, &rays);
     return rgb_add(near, sample_fluence(s, &receiver, random));

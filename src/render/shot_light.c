@@ -154,7 +154,7 @@ rsv_status rsv_shot_light_create(const rsv_light_view *solution, const rsv_rende
     if (!*shot) return RSV_ERROR_MEMORY;
     **shot = (rsv_shot_light){ solution, camera, medium, NULL };
     shot_job job = begin_job(*shot, desc, NULL);
-    const rsv_photon_sink sink = { &job, NULL, NULL, is_seen };
+    const rsv_photon_sink sink = { .user = &job, .wants = is_seen };
     return rsv_photon_shooter_create(
         &solution->scene, solution->lights, seed_of(desc), &sink, &(*shot)->shooter, &rays);
 }
@@ -176,7 +176,7 @@ rsv_status rsv_shot_light_add(
     job.list = rsv_alloc(context, (size_t)threads, sizeof *job.list);
     if (!job.list) return RSV_ERROR_MEMORY;
     paths = paths < FEWEST_PATHS ? FEWEST_PATHS : paths > INT32_MAX ? INT32_MAX : paths;
-    const rsv_photon_sink sink = { &job, add_light_path, collect, is_seen };
+    const rsv_photon_sink sink = { &job, add_light_path, collect, is_seen, NULL };
     rsv_status status =
         rsv_photons_send(shot->shooter, (uint32_t)paths, seed_of(desc), &sink, &rays);
     for (int k = 0; k < threads; k++) {

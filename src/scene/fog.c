@@ -1,5 +1,6 @@
 /// Fog: what it may be, and the box that it fills.
 #include "../core/vec.h"
+#include "restore.h"
 #include "scene.h"
 
 /// Beyond, a micrometre is opaque, and products with lengths leave the range of float.
@@ -127,6 +128,15 @@ static bool is_endless(const rsv_fog *fog)
 {
     rsv_vec3 extent = v3_sub(fog->bounds_max, fog->bounds_min);
     return !(extent.x < INFINITY && extent.y < INFINITY && extent.z < INFINITY);
+}
+
+rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog)
+{
+    if (check_fog(fog) != RSV_OK || rgb_is_black(fog->extinction) || is_endless(fog))
+        return rsv_fail(RSV_ERROR_FORMAT, "scene: its fog is none that a solution can have");
+    scene->fog = *fog;
+    scene->view.fog = &scene->fog;
+    return RSV_OK;
 }
 
 bool rsv_fog_has_volume(const rsv_fog *fog)

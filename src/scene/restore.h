@@ -22,4 +22,8 @@ typedef struct rsv_scene_parts {
 /// are not unit or on the wrong side, and whatever the functions of scene.h refuse.
 rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts, rsv_scene **scene);
 
+/// Its fog as a committed scene holds it, less the origin. RSV_ERROR_FORMAT for what rsv_scene_set_fog refuses, and for fog
+/// without a box.
+rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog);
+
 #endif

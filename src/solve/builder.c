@@ -275,23 +275,11 @@ static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
     report->time_bvh = before->time_bvh;
 }
 
-/// Photons land on surfaces alone, and gather rays do not find what has no area.
-static void warn_of_unlit_fog(const rsv_builder *b)
-{
-    const rsv_lights *lights = b->sources->lights;
-    bool suns = lights->environment && lights->environment->sun_count > 0;
-    if ((lights->punctual_count > 0 || suns) && rsv_photons_wanted(&b->scene, lights))
-        rsv_log(b->context, RSV_LOG_WARNING,
-            "fog: light of point lights, spot lights and suns that mirrors or glass send into the "
-            "air is left out; mode reference has it");
-}
-
 /// Elements of the air, where there is fog. All of their points count.
 static rsv_status add_voxels(rsv_builder *b)
 {
     rsv_voxels *voxels = NULL;
     if (!rsv_fog_has_volume(b->scene.view->fog)) return RSV_OK;
-    warn_of_unlit_fog(b);
     rsv_status status =
         rsv_voxels_create(&b->scene, b->desc.element_target, &b->report.rays, &voxels);
     if (status != RSV_OK) return status;

@@ -296,6 +296,22 @@ rsv_status rsv_light_refuse_fog(const rsv_light_view *s, const char *what)
     return rsv_scene_refuse_fog(s->scene.scene, what);
 }
 
+bool rsv_light_has_parts(const rsv_light_view *s)
+{
+    const rsv_fog *fog = s->scene.view->fog;
+    return !fog || (fog->anisotropy == 0 && rgb_is_black(fog->emission));
+}
+
+rsv_status rsv_light_require_parts(const rsv_light_view *s)
+{
+    if (rsv_light_has_parts(s)) return RSV_OK;
+    bool uneven = s->scene.view->fog->anisotropy != 0;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "relight: in fog that %s, rows hold light of all sources in one; %s",
+        uneven ? "scatters unevenly" : "emits light",
+        uneven ? "use G = 0 (--fog EXTINCTION,ALBEDO)" : "leave out its emission");
+}
+
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *s, uint32_t face, float u, float v, bool skip_sampled)
 {
@@ -313,8 +329,12 @@ rsv_rgb rsv_light_view_scattered(
     const rsv_light_view *s, uint32_t node, uint32_t order, bool skip_sampled)
 {
     rsv_rgb e = rgb_gray(0);
-    if (order == 0)
-        e = skip_sampled ? s->gathered[node] : s->source[node];
+    if (order == 0 && !skip_sampled)
+        e = s->source[node];
+    else if (order == 0)
+        e = s->caustics.coarse_caustic
+                ? rgb_add(s->gathered[node], s->caustics.coarse_caustic[node])
+                : s->gathered[node];
     else if (order == RSV_NONE)
         e = s->indirect[node];
     else if (order < s->order_count)

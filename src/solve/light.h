@@ -75,6 +75,12 @@ rsv_status rsv_light_restore(rsv_operator *op, rsv_light_sources *sources,
 /// RSV_ERROR_UNSUPPORTED where the light's scene has fog. @param what will not go on: "a frame"
 rsv_status rsv_light_refuse_fog(const rsv_light_view *light, const char *what);
 
+/// Whether each source's part of E0 can be told: fog that scatters unevenly turns light of all sources into rows, and fog that
+/// emits has no source.
+bool rsv_light_has_parts(const rsv_light_view *light);
+/// RSV_ERROR_UNSUPPORTED where it cannot.
+rsv_status rsv_light_require_parts(const rsv_light_view *light);
+
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
 rsv_rgb rsv_light_view_direct(

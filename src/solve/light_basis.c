@@ -1,6 +1,7 @@
 #include "light_basis.h"
 
 #include "../direct/direct_preview.h"
+#include "../direct/voxel_direct.h"
 #include "../elements/burial.h"
 #include "light_internal.h"
 
@@ -110,7 +111,8 @@ static size_t bytes_of_parts(const rsv_light *s, const rsv_light_basis *b)
 
 bool rsv_light_keeps_parts(const rsv_light *s, const rsv_light_basis *b)
 {
-    return b->source_count > 1 && bytes_of_parts(s, b) <= RSV_MAX_PART_BYTES;
+    return b->source_count > 1 && rsv_light_has_parts(&s->view) &&
+           bytes_of_parts(s, b) <= RSV_MAX_PART_BYTES;
 }
 
 rsv_status rsv_light_basis_check(const rsv_light *s, const rsv_light_basis *b)
@@ -175,23 +177,34 @@ static rsv_direct_job job_of(
     return job;
 }
 
-/// The light of one level: by a preview where that will do.
-static rsv_status estimate_level(const rsv_light *s, const rsv_lights *subset, bool fine,
-    const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
+/// The light of surfaces: by a preview where that will do.
+static rsv_status estimate_surfaces(const rsv_direct_job *job, const rsv_receiver_blocks *blocks,
+    rsv_rgb *irradiance, uint64_t *rays)
 {
-    const rsv_direct_job job = job_of(s, subset, fine, effort);
-    const rsv_receiver_blocks *blocks = fine ? effort->fine : effort->coarse;
+    const rsv_lights *subset = job->setting.lights;
     const uint8_t *known = NULL;
     if (blocks && rsv_can_preview(subset)) {
         rsv_status status = rsv_direct_preview(blocks, subset, irradiance, rays);
-        if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(job.elements, irradiance);
+        if (status == RSV_OK && blocks->holds_all)
+            rsv_elements_constrain(job->elements, irradiance);
         if (status != RSV_OK || blocks->holds_all) return status;
         known = blocks->held;
     }
     rsv_direct_light light = { .irradiance = irradiance };
-    rsv_status status = rsv_direct_irradiance(&job, known, &light);
+    rsv_status status = rsv_direct_irradiance(job, known, &light);
     *rays += light.rays;
     return status;
+}
+
+/// The light of one level, that of voxels included.
+static rsv_status estimate_level(const rsv_light *s, const rsv_lights *subset, bool fine,
+    const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
+{
+    const rsv_direct_job job = job_of(s, subset, fine, effort);
+    rsv_status status =
+        estimate_surfaces(&job, fine ? effort->fine : effort->coarse, irradiance, rays);
+    if (status != RSV_OK || !job.elements->voxels) return status;
+    return rsv_voxel_direct(&job, irradiance, rays);
 }
 
 rsv_status rsv_light_part_estimate(const rsv_light *s, const rsv_lights *lights,

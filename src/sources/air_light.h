@@ -30,8 +30,9 @@ float rsv_air_response(const rsv_fog *fog, const rsv_air_receiver *receiver, rsv
 /// Whether a punctual light is left out.
 RSV_INLINE bool rsv_air_leaves_out(const rsv_air_receiver *r, const rsv_punctual_light *light)
 {
+    float extent = rsv_punctual_is_extended(light) ? 0.5f * v3_length(light->opening) : 0;
     return r->radius > 0 && !rsv_punctual_is_distant(light) &&
-           v3_length(v3_sub(light->position, r->near)) < r->radius;
+           v3_length(v3_sub(light->position, r->near)) < r->radius + extent;
 }
 
 /// Mean radiance of what arrives, weighed by the phase function, times 4 pi: fluence, where that is isotropic. One sample of

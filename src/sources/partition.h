@@ -6,7 +6,8 @@
 /// | straight, past what blended surfaces leave (trace/passage.h) | shadow rays (rsv_local_lights_sample) | gather rays |
 /// | by way of specular surfaces, `turns` of them | photons; of the sampled sky, gather rays | gather rays |
 ///
-/// A receiver that has no photons, in the air or on a surface that stores none, leaves their part to gather rays, too.
+/// Elements of the air store what photons bring there, as those of surfaces do (direct/photon_air.h). A receiver that has no
+/// photons, such as a probe or a surface that stores none, leaves their part to gather rays, too.
 #ifndef RSV_PARTITION_H
 #define RSV_PARTITION_H
 

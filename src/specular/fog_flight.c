@@ -34,6 +34,14 @@ rsv_vec3 rsv_fog_draw_turn(float g, rsv_vec3 forward, rsv_random *random)
     }
 }
 
+/// Adds what a path that gathers light finds where it is turned.
+static void gather_turned(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_vec3 place,
+    rsv_random *random, rsv_fog_crossing *crossing)
+{
+    crossing->emission = rgb_add(crossing->emission, turned_light(scene, path, place, random));
+    path->turns = 0; // what comes straight from sources was gathered
+}
+
 /// Turns the path at a place. False if it ends there.
 static bool turn(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_vec3 place,
     rsv_random *random, rsv_fog_crossing *crossing)
@@ -42,10 +50,9 @@ static bool turn(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_
     crossing->emission = rgb_add(crossing->emission, rgb_mul(path->weight, rsv_fog_glow(fog)));
     path->weight = rgb_mul(path->weight, fog->albedo);
     if (rgb_is_black(path->weight)) return false;
-    crossing->emission = rgb_add(crossing->emission, turned_light(scene, path, place, random));
+    if (!crossing->witness) gather_turned(scene, path, place, random, crossing);
     if (!rsv_specular_survives(&path->weight, random)) return false;
     path->direction = rsv_fog_draw_turn(fog->anisotropy, path->direction, random);
-    path->turns = 0; // what comes straight from sources was gathered
     path->events++;
     path->rays++;
     return path->events < RSV_SPECULAR_MAX_EVENTS;
@@ -105,6 +112,8 @@ static rsv_fog_fate follow(const rsv_transport_scene *scene, rsv_specular_path *
 {
     const rsv_fog *fog = scene->view->fog;
     for (;;) {
+        if (crossing->witness)
+            crossing->witness->cross(crossing->witness->user, &s.ray, path->weight);
         float u_channel = rsv_random_float(random), u = rsv_random_float(random);
         rsv_fog_flight flight = rsv_fog_fly(fog, &s.ray, path->weight, u_channel, u);
         path->weight = rgb_mul(path->weight, flight.weight);

@@ -105,8 +105,15 @@ typedef enum rsv_fog_fate {
     RSV_FOG_ABSORBS
 } rsv_fog_fate;
 
+/// Who is told of each segment through fog of a path that brings light. @param weight the path's as the segment begins
+typedef struct rsv_fog_witness {
+    void *user;
+    void (*cross)(void *user, const rsv_ray *ray, rsv_rgb weight);
+} rsv_fog_witness;
+
 /// What a path finds on its way through fog.
 typedef struct rsv_fog_crossing {
+    const rsv_fog_witness *witness; ///< NULL = the path gathers light: sources are sampled where it is turned
     rsv_vec3 place; ///< where it lands
     rsv_rgb
         emission; ///< radiance that fog emitted and turned into the path where it did not end it, times its throughput: added to

@@ -26,7 +26,7 @@ mapfile -t examples < <(cat "$docs"/*.md "$docs/../README.md" |
 ((${#examples[@]} > 30)) || complain "only ${#examples[@]} examples were found"
 for example in "${examples[@]}"; do
     read -r _ command rest <<<"$example"
-    [[ -s $command.help ]] || "$program" "$command" --help >"$command.help" || complain "no such command: $example"
+    [[ -s $command.help ]] || "$program" "$command" --help all >"$command.help" || complain "no such command: $example"
     for option in $(grep -oE -- ' --?[a-z][a-z-]*' <<<" $rest"); do
         grep -qE -- "(^|[ ,])$option([ ,=]|\$)" "$command.help" || complain "$option is no option: $example"
     done

@@ -35,6 +35,16 @@ COMP_WORDS=("$prefix/bin/resolvent" render cornell-pl) COMP_CWORD=2
 _resolvent
 [[ ${COMPREPLY[*]} == cornell-plaster ]]
 
+# what fish and zsh offer, where they are installed
+if command -v fish >/dev/null; then
+    [[ -s $prefix/share/fish/vendor_completions.d/resolvent.fish ]]
+    offered=$(PATH=$prefix/bin:$PATH fish -N -c "source $prefix/share/fish/vendor_completions.d/resolvent.fish
+        complete -C 'resolvent rend'; complete -C 'resolvent render --expo'
+        complete -C 'resolvent render --quality m'; complete -C 'resolvent render cornell-pl'" | cut -f1)
+    [[ $offered == $'render\n--exposure\nmedium\ncornell-plaster' ]]
+fi
+! command -v zsh >/dev/null || zsh -n "$prefix/share/zsh/vendor-completions/_resolvent"
+
 mkdir "$work/outside"
 cp "$source/samples/minimal.c" "$work/outside"
 echo '#include <resolvent_rt.h>

@@ -7,6 +7,16 @@ says 'usage: resolvent'
 succeeds --version
 succeeds help render
 says 'usage: resolvent render'
+# the first screen has three examples and the common options, and says how to see the rest
+says 'resolvent render --help all'
+[[ $(grep -c '^  resolvent ' stdout) == 3 ]] || complain "not three examples"
+[[ $(wc -l <stdout) -le 45 ]] || complain "the help of render fills more than a screen"
+says '  --quality'
+! grep -q -- '--gather' stdout || complain "--gather is no common option"
+succeeds render --help all
+says '  --gather'
+succeeds help render all
+says '  --gather'
 refuses 2 'is not a command' help paint
 for command in render solve relight view probe daylight certify compare layers falsecolor sheet scene info bench; do
     succeeds $command --help

@@ -209,6 +209,29 @@ static void slabs_reflect_and_transmit_as_chandrasekhar_says(void **state)
     world_end(w);
 }
 
+/// A mirror sends a beam back into a slab: as a slab twice as thick, what this reflects and transmits leaves on one side. The
+/// beam itself, exp(-thickness), comes to no probe by way of a mirror.
+static void mirrors_send_the_sun_into_fog(void **state)
+{
+    (void)state;
+    static const double exact[3] = { 0.2025058 + 0.7974939 - 0.6065307,
+        0.2108463 + 0.5413993 - 0.3678794, 0.4287211 + 0.4093064 - 0.1353353 };
+    world *w = world_begin(2);
+    estimate read[3];
+    add_mirrors(w, 0, 0.7f);
+    world_quad(w, world_material(w, mirror_material(1)), v3(-0.5f, 0, 0.5f), v3(0.5f, 0, 0.5f),
+        v3(0.5f, 0, -0.5f), v3(-0.5f, 0, -0.5f));
+    add_sun(w);
+    fill(w, box_of_fog(
+                rgb(0.5f, 1, 2), rgb(1, 0.8f, 0.95f), v3(-0.5f, 0, -0.5f), v3(0.5f, 0.5f, 0.5f)));
+    rsv_light *light = solve_with(w, 2000, 128);
+    read_probe(light, v3(0, 0.6f, 0), v3(0, -1, 0), 1 << 16, read);
+    for (int k = 0; k < 3; k++)
+        check("reflected above a mirror", read[k], exact[k]);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
 /// The radiance of half spaces under a beam: omega / 4 pi mu0 / (mu + mu0) H(mu) H(mu0), for omega = 0.9 and 0.5.
 static void half_spaces_shine_by_chandrasekhars_h(void **state)
 {
@@ -319,6 +342,15 @@ static estimate wall_mean(const rsv_light *light)
     return (estimate){ mean, sqrt(variance) };
 }
 
+/// Shines downwards with pi x 0.16 W.
+static void add_panel(world *w)
+{
+    world_quad(w, world_lambert(w, 1, 1), v3(-0.2f, 0.6f, -0.2f), v3(0.2f, 0.6f, -0.2f),
+        v3(0.2f, 0.6f, 0.2f), v3(-0.2f, 0.6f, 0.2f));
+    world_quad(w, world_lambert(w, 1, 0), v3(-0.2f, 0.6f, 0.2f), v3(0.2f, 0.6f, 0.2f),
+        v3(0.2f, 0.6f, -0.2f), v3(-0.2f, 0.6f, -0.2f));
+}
+
 /// Whatever fog that absorbs nothing does to the light of lamps in a closed room, all of it ends in the black walls.
 static void fog_loses_no_light(void **state)
 {
@@ -329,12 +361,8 @@ static void fog_loses_no_light(void **state)
         if (kind == 0)
             add_lamp(w, (rsv_punctual_light){
                             .position = v3(0.1f, 0.2f, -0.1f), .intensity = rgb_gray(0.1f) });
-        else {
-            world_quad(w, world_lambert(w, 1, 1), v3(-0.2f, 0.6f, -0.2f), v3(0.2f, 0.6f, -0.2f),
-                v3(0.2f, 0.6f, 0.2f), v3(-0.2f, 0.6f, 0.2f));
-            world_quad(w, world_lambert(w, 1, 0), v3(-0.2f, 0.6f, 0.2f), v3(0.2f, 0.6f, 0.2f),
-                v3(0.2f, 0.6f, -0.2f), v3(-0.2f, 0.6f, -0.2f));
-        }
+        else
+            add_panel(w);
         world_box(w, world_lambert(w, 1, 0), v3(-0.7f, -0.9f, -0.2f), v3(-0.3f, -0.4f, 0.2f));
         rsv_fog fog = box_of_fog(rgb_gray(1.5f), rgb_gray(1), v3(-1, -1, -1), v3(1, 1, 1));
         if (kind == 1) fog.anisotropy = 0.5f;
@@ -342,6 +370,33 @@ static void fog_loses_no_light(void **state)
         rsv_light *light = solve_with(w, 3000, 1024);
         double power = kind == 0 ? 0.4 * M_PI : M_PI * 0.16;
         check(kind ? "panel in fog" : "point in fog", wall_mean(light), power / 24);
+        rsv_light_destroy(light);
+        world_end(w);
+    }
+}
+
+/// The same where a mirror sends part of it into the fog, whose phase function is even or not. Probes do not see what mirrors
+/// send straight to them, so the walls' own elements are asked.
+static void fog_loses_no_light_of_mirrors(void **state)
+{
+    (void)state;
+    for (int forward = 0; forward < 2; forward++) {
+        world *w = world_begin(2);
+        world_room(w, world_lambert(w, 0, 0), v3(-1, -1, -1), v3(1, 1, 1));
+        world_box(w, world_material(w, mirror_material(1)), v3(-0.7f, -0.8f, -0.5f),
+            v3(0.1f, -0.1f, 0.3f));
+        if (forward)
+            add_panel(w);
+        else
+            add_lamp(w, (rsv_punctual_light){
+                            .position = v3(0.1f, 0.3f, -0.1f), .intensity = rgb_gray(0.1f) });
+        rsv_fog fog = box_of_fog(rgb_gray(1.5f), rgb_gray(1), v3(-1, -1, -1), v3(1, 1, 1));
+        if (forward) fog.anisotropy = 0.5f;
+        fill(w, fog);
+        rsv_light *light = solve_with(w, 3000, 512);
+        double power = power_at_walls(light), expected = forward ? 0.16 * M_PI : 0.4 * M_PI;
+        print_message("g %g: %g W of %g\n", (double)fog.anisotropy, power, expected);
+        assert_close(power, expected, TOLERANCE * expected);
         rsv_light_destroy(light);
         world_end(w);
     }
@@ -417,6 +472,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
         cmocka_unit_test(lossless_fog_is_invisible_under_an_even_sky),
         cmocka_unit_test(fog_loses_no_light),
+        cmocka_unit_test(fog_loses_no_light_of_mirrors),
+        cmocka_unit_test(mirrors_send_the_sun_into_fog),
         cmocka_unit_test(no_light_leaks_through_walls),
         cmocka_unit_test(the_certificate_knows_fog),
         cmocka_unit_test(fog_does_not_depend_on_threads),

@@ -2,6 +2,7 @@
 #ifndef FOG_FIXTURE_H
 #define FOG_FIXTURE_H
 
+#include "resolvent/operator.h"
 #include "resolvent/render.h"
 #include "unit/light_fixture.h"
 
@@ -59,6 +60,23 @@ static inline rsv_fog slab(rsv_rgb extinction, rsv_rgb albedo, float low, float 
 static inline rsv_fog everywhere(rsv_rgb extinction, rsv_rgb albedo)
 {
     return slab(extinction, albedo, -INFINITY, INFINITY);
+}
+
+/// What elements of surfaces absorb, W.
+static inline double power_at_walls(const rsv_light *light)
+{
+    const rsv_operator *op = rsv_light_operator(light);
+    const rsv_rgb *irradiance = rsv_light_irradiance_field(light);
+    size_t count = rsv_operator_element_count(op);
+    rsv_element *element = calloc(count, sizeof *element);
+    double power = 0;
+    assert_int_equal(rsv_operator_elements(op, element), RSV_OK);
+    for (size_t n = 0; n < count; n++)
+        if (element[n].triangle != UINT32_MAX)
+            power += (double)element[n].area * (double)irradiance[n].g *
+                     (1 - (double)element[n].albedo.g);
+    free(element);
+    return power;
 }
 
 /// Looks along one ray, so to speak: a millimetre wide.

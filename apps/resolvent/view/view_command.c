@@ -47,36 +47,6 @@ static const word words[] = {
     { "turn", CLI_VIEW_TURN, "n" },
 };
 
-const char cli_view_command_help[] =
-    "  orbit YAW PITCH        about the middle of the scene, degrees\n"
-    "  look YAW PITCH         about the camera, degrees\n"
-    "  fly RIGHT UP FORWARD   metres\n"
-    "  dolly FACTOR           distance times FACTOR\n"
-    "  camera NAME            one of the scene's\n"
-    "  select ITEM            light.NAME, albedo.MATERIAL, environment or object; next, previous,\n"
-    "                         none\n"
-    "  intensity SCALE        of the light selected; `brighten STOPS` changes it\n"
-    "  color R G B            factors of a light, or a material's albedo; `tint R G B` adds\n"
-    "  move X Y Z             the light or object selected, metres from its first place; `nudge` "
-    "adds\n"
-    "  place X Y Z DEG        the object, metres from its place in its file, turned about the "
-    "vertical\n"
-    "  add NAME X Y Z         a point light at a place of the scene, which is selected then\n"
-    "  albedo MATERIAL R G B  another base color\n"
-    "  env-rotate DEG         the surroundings; `turn DEG` adds\n"
-    "  mode NAME              operator, final, occlusion, occlusion-screen, error, next\n"
-    "  layer NAME             all, emission, direct, a number of bounces, next, previous\n"
-    "  exposure STOPS         `expose STOPS` adds\n"
-    "  tone NAME              clip, soft, next\n"
-    "  show WHAT              hud, help, stereo, markers: on if off, off if on\n"
-    "  separation METRES      between the eyes of stereo\n"
-    "  pick X Y, drag DX DY, release   the mouse; the picture is 1 wide and 1 high\n"
-    "  point X Y              read lux there from now on, as under the mouse; scripts print it\n"
-    "  screenshot FILE        the picture without anything over it: .png, .exr, .hdr\n"
-    "  panorama FILE          all around the camera, latitude over longitude\n"
-    "  reset                  everything as it began\n"
-    "  quit\n";
-
 static const word *find_word(const char *name)
 {
     for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
@@ -146,8 +116,8 @@ bool cli_read_view_command(const char *line, cli_view_command *command, char *pr
     if (!cut(&line, name)) return complain(problem, "a command is missing%s%s", "", "");
     const word *known = find_word(name);
     if (!known)
-        return complain(
-            problem, "'%.60s' is no command; `resolvent view --help` lists them%s", name, "");
+        return complain(problem,
+            "'%.60s' is not a command; `resolvent view --help all` lists them%s", name, "");
     command->verb = known->verb;
     return read_arguments(known, line, command, problem);
 }

@@ -57,7 +57,4 @@ bool cli_read_view_command(const char *line, cli_view_command *command, char *pr
 /// Whether the command has to do with sources and materials, or takes a picture: it means nothing before the light is there.
 bool cli_view_needs_light(cli_view_verb verb);
 
-/// The words and what follows them, for --help: one line each.
-extern const char cli_view_command_help[];
-
 #endif
