@@ -18,15 +18,15 @@ typedef struct tracked_rows {
     uint32_t rays;  ///< of a row
     uint32_t *slot; ///< [row_count] of the row in all that follows; RSV_NONE = it hangs
     size_t slot_count;
-    uint32_t *column;         ///< [slot_count * rays] ends of weight 1, the first `count` of each
-    uint16_t *reach;          ///< [slot_count * rays]
-    uint8_t *kind;            ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
-    uint32_t *count;          ///< [slot_count]
-    uint8_t *lost;            ///< [slot_count] 1 = there are columns RSV_NONE, of ends that are no more
-    rsv_row_place *place;     ///< [slot_count]
-    rsv_row_tail **tail;      ///< [slot_count]
-    size_t entries;           ///< of all rows
-    size_t live_rows;         ///< neither hanging nor buried
+    uint32_t *column;     ///< [slot_count * rays] ends of weight 1, the first `count` of each
+    uint16_t *reach;      ///< [slot_count * rays]
+    uint8_t *kind;        ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
+    uint32_t *count;      ///< [slot_count]
+    uint8_t *lost;        ///< [slot_count] 1 = there are columns RSV_NONE, of ends that are no more
+    rsv_row_place *place; ///< [slot_count]
+    rsv_row_tail **tail;  ///< [slot_count]
+    size_t entries;       ///< of all rows
+    size_t live_rows;     ///< neither hanging nor buried
     rsv_row_scratch *scratch; ///< [threads]
 } tracked_rows;
 

@@ -37,7 +37,8 @@ rsv_status rsv_tracked_rows_patch(
 /// Which rows of divided elements are what they were, and where rays end now (update/divided_elements.h).
 typedef struct rsv_rows_division {
     const uint32_t *row_before; ///< [row_count] RSV_NONE = none: it is traced as a whole
-    const uint32_t *column_now; ///< [row_count of before] RSV_NONE = rays that ended there are traced again
+    const uint32_t
+        *column_now; ///< [row_count of before] RSV_NONE = rays that ended there are traced again
 } rsv_rows_division;
 
 /// Rows of elements that were divided again. What is not known is traced by the next rsv_tracked_rows_patch, which must follow.

@@ -210,8 +210,7 @@ static uint32_t farthest_vertex(
             uint32_t v = s->triangle[t][k];
             float nearest = INFINITY;
             for (int f = 0; f < from_count; f++)
-                nearest =
-                    f_min(nearest, v3_length(v3_sub(s->position[v], s->position[from[f]])));
+                nearest = f_min(nearest, v3_length(v3_sub(s->position[v], s->position[from[f]])));
             if (nearest > most) most = nearest, best = v;
         }
     return best;
@@ -235,8 +234,7 @@ static bool keeps_shape(const rsv_scene *a, const rsv_scene *b, uint32_t object,
 }
 
 /// Light diffuses below the surface of a body from everywhere to everywhere: another shape is another body.
-static rsv_status check_translucent(
-    const rsv_scene *a, const rsv_scene *b, const uint8_t *moved)
+static rsv_status check_translucent(const rsv_scene *a, const rsv_scene *b, const uint8_t *moved)
 {
     rsv_status status = RSV_OK;
     uint8_t *done = rsv_alloc(a->context, a->object_count, 1);

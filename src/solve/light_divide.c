@@ -44,8 +44,7 @@ static size_t most_nodes(const rsv_light *s)
 }
 
 /// A field on the new elements: what it was at nodes that stay, between others at the rest.
-static rsv_status carry(
-    const rsv_elements *then, const rsv_divided_elements *d, rsv_rgb **field)
+static rsv_status carry(const rsv_elements *then, const rsv_divided_elements *d, rsv_rgb **field)
 {
     const rsv_elements *e = d->elements;
     rsv_rgb *now = rsv_alloc(e->context, e->node_count, sizeof *now);

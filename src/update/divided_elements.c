@@ -21,9 +21,10 @@ static void begin(divider *v, const rsv_transport_scene *scene)
 {
     const rsv_elements_before *b = v->before;
     v->shafts = (rsv_light_shafts){ .change = b->change };
-    v->known = (rsv_level_before){
-        .elements = b->elements, .valid_points = b->valid_points, .shafts = &v->shafts, .moved = b->moved
-    };
+    v->known = (rsv_level_before){ .elements = b->elements,
+        .valid_points = b->valid_points,
+        .shafts = &v->shafts,
+        .moved = b->moved };
     v->answers = rsv_level_before_answers(&v->known);
     v->scene = *scene;
     v->scene.known_cells = &v->answers;
@@ -114,7 +115,7 @@ static rsv_status find_nodes(const divider *v, uint8_t *known)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
         uint32_t first = has_support(e, n) ? rsv_elements_find_twin(e, n, b->first) : RSV_NONE;
-        e->node_draw[n] = first != RSV_NONE     ? rsv_elements_draw_of(b->first, first)
+        e->node_draw[n] = first != RSV_NONE   ? rsv_elements_draw_of(b->first, first)
                           : has_support(e, n) ? draw_at(e, n)
                                               : n;
         uint32_t twin = is_free(e, n) ? rsv_elements_find_twin(e, n, b->elements) : RSV_NONE;
@@ -187,7 +188,7 @@ rsv_status rsv_elements_divide(const rsv_transport_scene *scene, const rsv_eleme
 {
     divider v = { .before = before, .d = divided, .rays = rays };
     rsv_context *context = before->elements->context;
-    *divided = (rsv_divided_elements){ NULL };
+    *divided = (rsv_divided_elements){ 0 };
     begin(&v, scene);
     rsv_status status = split_cells(&v);
     if (status == RSV_OK) status = number_nodes(&v);
@@ -201,5 +202,5 @@ void rsv_divided_elements_free(rsv_context *context, rsv_divided_elements *d)
     rsv_free(context, d->valid_points);
     rsv_free(context, d->node_before);
     rsv_free(context, d->node_now);
-    *d = (rsv_divided_elements){ NULL };
+    *d = (rsv_divided_elements){ 0 };
 }

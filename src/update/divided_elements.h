@@ -23,7 +23,8 @@ typedef struct rsv_elements_before {
 typedef struct rsv_divided_elements {
     rsv_elements *elements; ///< to be destroyed
     uint16_t *valid_points; ///< [node_count] to be freed, as the others
-    uint32_t *node_before;  ///< [node_count] node that received the same light in the same way; RSV_NONE = none did
+    uint32_t *
+        node_before; ///< [node_count] node that received the same light in the same way; RSV_NONE = none did
     /// [node_count of before] node that stands in all cells for what this one stood for; RSV_NONE = cells changed
     uint32_t *node_now;
 } rsv_divided_elements;

@@ -19,8 +19,9 @@ static bool judge_corners(const rsv_transport_scene *scene, rsv_elements *e, con
     const uint8_t contact = RSV_CELL_CUT | RSV_CELL_CUT_THROUGH | RSV_CELL_SHELTERED;
     int changed = 0;
     if (!e->cell_openness) return false;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) \
-    reduction(| : changed)
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))                \
+    reduction(|                                                                                    \
+              : changed)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         uint64_t rays = 0;
         if (!near[c]) continue;
