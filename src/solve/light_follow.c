@@ -1,14 +1,16 @@
 /// Lights of scenes in which surfaces move: nothing but what a motion touched is found again.
 ///
 /// 1. Boxes around what moved, where it was and where it is (rsv_scene_change).
-/// 2. Coarse elements: beside boxes, what is buried is judged again (update/moved_elements.h); where other cells are cut than
-///    before, they are divided again (light_divide.c), and what is the same keeps its rays and its light.
+/// 2. Coarse elements: beside boxes, what is buried is judged again (update/moved_elements.h); where something newly cuts
+///    through cells, and where any contact changed once all rests, they are divided again (light_divide.c), and what is the same
+///    keeps its rays and its light.
 /// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
 /// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
 ///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
 /// 5. E = E0 + G K E is solved on from the E of before.
 #include "../core/device.h"
 #include "../core/team.h"
+#include "../elements/open_corners.h"
 #include "../scene/variant.h"
 #include "../update/moved_elements.h"
 #include "../update/update.h"
@@ -184,9 +186,9 @@ static rsv_status move_operator(motion *m)
 {
     rsv_light *s = m->s;
     rsv_following *f = s->following;
-    bool contacts_changed = false;
+    uint8_t contacts = 0;
     const rsv_elements_motion elements = { m->difference.moved, &m->change,
-        { RSV_SUPPORT_POINTS, s->desc.seed }, &contacts_changed };
+        { RSV_SUPPORT_POINTS, s->desc.seed }, &contacts };
     rsv_status status;
     bool whole = m->begins || !rsv_tracked_rows_can_follow(f->rows, &m->change);
     m->anew = rsv_alloc(s->context, f->elements->node_count, 1);
@@ -195,7 +197,10 @@ static rsv_status move_operator(motion *m)
     add_to(&f->unsettled, &m->change);
     RSV_TRY(
         rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
-    if (contacts_changed) RSV_TRY(divide_operator(m, false));
+    if (m->begins ? contacts != 0 : contacts & RSV_CELL_CUT_THROUGH)
+        RSV_TRY(divide_operator(m, false));
+    else if (contacts) // what stands upon cells without parting them can wait until it rests
+        f->split = true;
     rsv_light_publish(s);
     if (whole && !m->begins) RSV_TRY(copy_valid_points(m)); // the operator keeps its own
     RSV_TRY(whole ? trace_operator(m) : patch_rows(m));

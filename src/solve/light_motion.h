@@ -17,7 +17,7 @@ typedef struct rsv_following {
     rsv_rgb *direct;            ///< [node_count] next-event estimates, W/m2
     rsv_scene_change undivided; ///< boxes of motions since the level of direct light was divided
     rsv_scene_change unsettled; ///< of those since `elements` were divided from `first`
-    bool split;                 ///< `elements` have splits that they would not have from `first`
+    bool split;                 ///< `elements` are split otherwise than they would be from `first`
 } rsv_following;
 
 /// One motion.

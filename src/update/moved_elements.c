@@ -13,12 +13,19 @@ static void find_near(
         near[c] = moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, change);
 }
 
-/// @return whether other cells are cut now
-static bool judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+/// What changed at contacts, as in rsv_elements_motion.
+static uint8_t compare_contacts(uint8_t then, uint8_t now)
 {
     const uint8_t contact = RSV_CELL_CUT | RSV_CELL_CUT_THROUGH | RSV_CELL_SHELTERED;
-    int changed = 0;
-    if (!e->cell_openness) return false;
+    uint8_t changed = (then ^ now) & contact ? RSV_CELL_CUT : 0;
+    return changed | (now & (uint8_t)~then & RSV_CELL_CUT_THROUGH);
+}
+
+/// @return what changed at contacts
+static uint8_t judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+{
+    uint32_t changed = 0;
+    if (!e->cell_openness) return 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))                \
     reduction(|                                                                                    \
               : changed)
@@ -27,9 +34,9 @@ static bool judge_corners(const rsv_transport_scene *scene, rsv_elements *e, con
         if (!near[c]) continue;
         uint8_t then = e->cell_openness[c];
         e->cell_openness[c] = rsv_cell_judge_again(scene, e, c, &rays);
-        changed |= ((then ^ e->cell_openness[c]) & contact) != 0;
+        changed |= compare_contacts(then, e->cell_openness[c]);
     }
-    return changed;
+    return (uint8_t)changed;
 }
 
 /// Whether the node moved, and whether its points must be judged again.
@@ -122,8 +129,8 @@ rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *e
     if (!near) return status;
     if (changes_size(e, m->moved)) rsv_elements_find_areas(e);
     find_near(e, m->moved, m->change, near);
-    bool changed = judge_corners(scene, e, near);
-    if (m->contacts_changed) *m->contacts_changed = changed;
+    uint8_t contacts = judge_corners(scene, e, near);
+    if (m->contacts) *m->contacts = contacts;
     judge_points(scene, e, m, near, valid_points, anew);
     status = bridge_again(e, valid_points, m->change);
     rsv_free(e->context, near);

@@ -13,7 +13,9 @@ typedef struct rsv_elements_motion {
     /// for now, or do no longer.
     rsv_scene_change *change;
     rsv_support_draw draw;
-    bool *contacts_changed; ///< out: whether other cells are cut now; NULL = nobody asks
+    /// Out: RSV_CELL_CUT where other cells are cut now than before, with RSV_CELL_CUT_THROUGH where some are newly cut
+    /// through; NULL = nobody asks.
+    uint8_t *contacts;
 } rsv_elements_motion;
 
 /// Undoes rsv_elements_bridge_buried: every cell has its own corners again, and nodes that hang on edges both their parents.
