@@ -232,7 +232,8 @@ static void refine_operator(pursuit *p, double excess, double largest)
     p->size *= step;
 }
 
-/// Refines the parts of the residual that alone would use up half of what is allowed; the larger one at least.
+/// Refines the parts of the residual that alone would use up half of what is allowed; the larger one at least. After a round
+/// that has not helped, both: shadows that are narrower than the cells which they fall on take finer elements to be seen.
 static void choose_refinement(pursuit *p, double largest)
 {
     const rsv_certificate *c = p->certificate;
@@ -246,8 +247,10 @@ static void choose_refinement(pursuit *p, double largest)
     double direct = gain * c->residual_direct_rms / (M_SQRT1_2 * allowed);
     double gathered = gain * c->residual_gathered_rms / (M_SQRT1_2 * allowed);
     p->cost = p->size = p->direct_size = 1;
-    if (direct > 1 || direct > gathered) refine_direct(p, direct, largest);
-    if (gathered > 1 || gathered >= direct) refine_operator(p, gathered, largest);
+    bool both = p->idle > 0;
+    if (both || direct > 1 || direct > gathered) refine_direct(p, direct, largest);
+    if (both || gathered > 1 || gathered >= direct)
+        refine_operator(p, both ? fmax(gathered, direct) : gathered, largest);
 }
 
 /// Seconds after the next round, of the slowest process.

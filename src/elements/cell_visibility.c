@@ -194,7 +194,10 @@ static bool leaves_body(const rsv_transport_scene *scene, rsv_ray ray, uint64_t 
         rsv_surface_point met =
             rsv_surface_point_at(scene->view, hit.triangle, hit.u, hit.v, false);
         bool back = v3_dot(met.geometric, ray.direction) > 0;
-        if (!bsdf->double_sided && is_opaque(scene, &hit)) {
+        // where bodies touch, one is left and another entered; a wall written twice is neither
+        bool skin = !bsdf->double_sided && is_opaque(scene, &hit) &&
+                    !rsv_twins_meet(scene->view, ray.direction, hit);
+        if (skin) {
             if (back && entered == 0) return true;
             entered += back ? -1 : 1;
         }

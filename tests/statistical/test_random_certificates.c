@@ -27,17 +27,26 @@ typedef struct verdict {
     double error, interval[2];
 } verdict;
 
-static verdict judge(const rsv_scene *scene, rsv_quality quality, uint32_t points)
+/// How hard to look.
+typedef struct effort {
+    int qualities;   ///< that many of them, draft first
+    uint32_t points; ///< of the truth
+    uint32_t seed;   ///< of solutions, certificates and truth
+    rsv_certify_desc certify;
+} effort;
+
+static verdict judge(const rsv_scene *scene, rsv_quality quality, const effort *by)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(quality);
-    rsv_certify_desc brief = rsv_brief_certify_desc();
+    rsv_certify_desc certify = by->certify;
     verdict v;
     rsv_light *light;
     rsv_truth *truth;
-    brief.seed = 7;
+    desc.seed = by->seed;
+    certify.seed = by->seed + 7;
     assert_int_equal(rsv_light_create(scene, &desc, &light), RSV_OK);
-    assert_int_equal(rsv_certify(light, &brief, &v.certificate), RSV_OK);
-    assert_int_equal(rsv_truth_create(light, points, PATHS, 5, &truth), RSV_OK);
+    assert_int_equal(rsv_certify(light, &certify, &v.certificate), RSV_OK);
+    assert_int_equal(rsv_truth_create(light, by->points, PATHS, by->seed + 5, &truth), RSV_OK);
     assert_int_equal(rsv_truth_error(truth, light, &v.error, v.interval), RSV_OK);
     rsv_truth_destroy(truth);
     rsv_light_destroy(light);
@@ -61,28 +70,26 @@ static void count(tally *t, const verdict *v)
     t->bounded += isfinite(c->error_bound_rms) && v->interval[0] <= c->error_bound_rms;
 }
 
-static void say(uint32_t seed, int quality, const verdict *v)
+static void say(const char *name, int quality, const verdict *v)
 {
     const rsv_certificate *c = &v->certificate;
     double percent = 100 / fmax(c->irradiance_rms, 1e-30);
-    print_message("room %u, quality %d: true error %.2f (%.2f .. %.2f) %%, estimate %.2f (%.2f .. "
+    print_message("%s, quality %d: true error %.2f (%.2f .. %.2f) %%, estimate %.2f (%.2f .. "
                   "%.2f), bound %.1f, amplified %.1f, %u points%s\n",
-        seed, quality, percent * v->error, percent * v->interval[0], percent * v->interval[1],
+        name, quality, percent * v->error, percent * v->interval[0], percent * v->interval[1],
         percent * c->error_estimate_rms, percent * c->error_estimate_ci95[0],
         percent * c->error_estimate_ci95[1], percent * c->error_bound_rms, c->amplification,
         c->samples, is_close(v) ? "" : " FAR");
 }
 
-static void check_room(fixture *f, uint32_t seed, int qualities, uint32_t points, tally *t)
+/// @param scene taken over
+static void check_scene(rsv_scene *scene, const char *name, const effort *by, tally *t)
 {
-    rsv_scene *scene;
     double before = INFINITY;
     bool falls = true;
-    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
-    assert_int_equal(random_room(scene, seed), RSV_OK);
-    for (int quality = 0; quality < qualities; quality++) {
-        verdict v = judge(scene, (rsv_quality)quality, points);
-        say(seed, quality, &v);
+    for (int quality = 0; quality < by->qualities; quality++) {
+        verdict v = judge(scene, (rsv_quality)quality, by);
+        say(name, quality, &v);
         count(t, &v);
         falls = falls && v.certificate.error_estimate_ci95[0] <= before;
         before = v.certificate.error_estimate_ci95[1];
@@ -92,12 +99,21 @@ static void check_room(fixture *f, uint32_t seed, int qualities, uint32_t points
     t->falling += falls;
 }
 
-static tally check_rooms(
-    fixture *f, uint32_t first, uint32_t number, int qualities, uint32_t points)
+static void check_room(fixture *f, uint32_t seed, const effort *by, tally *t)
+{
+    rsv_scene *scene;
+    char name[32];
+    snprintf(name, sizeof name, "room %u", seed);
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    assert_int_equal(random_room(scene, seed), RSV_OK);
+    check_scene(scene, name, by, t);
+}
+
+static tally check_rooms(fixture *f, uint32_t first, uint32_t number, const effort *by)
 {
     tally t = { 0 };
     for (uint32_t k = 0; k < number; k++)
-        check_room(f, first + k, qualities, points, &t);
+        check_room(f, first + k, by, &t);
     print_message("%u cases: %u close, %u covered, %u bounded; %u of %u rooms fall\n", t.cases,
         t.close, t.covered, t.bounded, t.falling, t.rooms);
     return t;
@@ -105,27 +121,39 @@ static tally check_rooms(
 
 static void certificates_of_rooms_are_true(void **state)
 {
-    tally t = check_rooms(*state, 3, 2, 1, 256);
+    const effort by = { 1, 256, 0, rsv_brief_certify_desc() };
+    tally t = check_rooms(*state, 3, 2, &by);
     assert_int_equal(t.covered, t.cases);
     assert_int_equal(t.bounded, t.cases);
 }
 
 static void certificates_of_many_rooms_are_true(void **state)
 {
-    tally t = check_rooms(*state, 0, 30, 3, 400);
+    const effort by = { 3, 400, 0, rsv_brief_certify_desc() };
+    tally t = check_rooms(*state, 0, 30, &by);
     assert_true(6 * t.close >= 5 * t.cases);
     assert_true(20 * t.covered >= 19 * t.cases);
     assert_int_equal(t.bounded, t.cases);
     assert_int_equal(t.falling, t.rooms);
 }
 
-/// `rooms FIRST COUNT QUALITIES POINTS`: only these, whatever is wrong with them.
-static int look_at_rooms(char **argv)
+/// `rooms FIRST COUNT QUALITIES POINTS SAMPLES` or `scene NAME SEEDS QUALITIES POINTS SAMPLES`: only these, whatever is
+/// wrong with them.
+static int look_at(char **argv)
 {
     void *state = NULL;
+    effort by = { atoi(argv[3]), (uint32_t)atoi(argv[4]), 0, rsv_default_certify_desc() };
+    by.certify.samples = (uint32_t)atoi(argv[5]);
     fixture_setup(&state);
-    check_rooms(state, (uint32_t)atoi(argv[0]), (uint32_t)atoi(argv[1]), atoi(argv[2]),
-        (uint32_t)atoi(argv[3]));
+    fixture *f = state;
+    if (strcmp(argv[0], "rooms") == 0)
+        check_rooms(f, (uint32_t)atoi(argv[1]), (uint32_t)atoi(argv[2]), &by);
+    for (; strcmp(argv[0], "scene") == 0 && (int)by.seed < atoi(argv[2]); by.seed++) {
+        rsv_scene *scene;
+        tally t = { 0 };
+        assert_int_equal(rsv_scene_builtin(f->context, argv[1], &scene), RSV_OK);
+        check_scene(scene, argv[1], &by, &t);
+    }
     return fixture_teardown(&state);
 }
 
@@ -133,7 +161,7 @@ static int look_at_rooms(char **argv)
 
 int main(int argc, char **argv)
 {
-    if (argc == 6 && strcmp(argv[1], "rooms") == 0) return look_at_rooms(argv + 2);
+    if (argc == 7) return look_at(argv + 1);
     const struct CMUnitTest quick[] = { ROOM_TEST(certificates_of_rooms_are_true) };
     const struct CMUnitTest longest[] = { ROOM_TEST(certificates_of_many_rooms_are_true) };
     return argc > 1 && strcmp(argv[1], "long") == 0 ? cmocka_run_group_tests(longest, NULL, NULL)

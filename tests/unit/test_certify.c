@@ -413,7 +413,7 @@ static void wrong_caustics_of_a_point_light_are_found(void **state)
 
 // ---- what is not seen --------------------------------------------------------------------------
 
-/// A canvas in a frame: bodies that reach into each other, their fronts five millimetres apart.
+/// A canvas in a frame: bodies that reach into each other, their fronts five millimetres apart; and some that share faces.
 typedef struct cuboid {
     rsv_vec3 low, high;
 } cuboid;
@@ -423,6 +423,9 @@ static const cuboid hung[] = {
     { { 1, 1, -0.02f }, { 2, 1.8f, 0.04f } },          // frame
     { { 1.06f, 1.06f, 0 }, { 1.94f, 1.74f, 0.045f } }, // canvas
     { { 0.2f, 0.0001f, 0.5f }, { 0.7f, 0.6f, 1 } },    // plinth, in touch with the floor
+    { { 2, -0.02f, 2 }, { 2.5f, 1, 2.4f } },           // piers, side by side, sunk into the floor
+    { { 2.5f, -0.02f, 2 }, { 3, 1.2f, 2.4f } },        //
+    { { 2, -0.02f, 2.4f }, { 3, 1.1f, 2.6f } },        // what stands behind both
     { { -0.1f, -0.1f, -0.1f }, { 3.1f, 0, 3 } },       // floor
 };
 enum { hung_count = sizeof hung / sizeof *hung };
