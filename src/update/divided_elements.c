@@ -40,44 +40,44 @@ static bool was_left_whole(const rsv_elements_before *b, const rsv_elements *e, 
     return rsv_cell_wants_contact_split(b->first, then, b->contact_size);
 }
 
-/// Replaces elements by some with those cells split that something cuts. @param marked out: how many
-static rsv_status split_once(const divider *v, rsv_elements **elements, size_t *marked)
+/// Marks cells to be split, if there is room for them. @return how many
+static size_t mark_cells(const divider *v, const rsv_elements *e, uint8_t *split)
 {
     const rsv_elements_before *b = v->before;
-    rsv_elements *e = *elements;
-    uint8_t *split = rsv_alloc(e->context, e->cell_count, 1);
-    rsv_status status = split ? RSV_OK : RSV_ERROR_MEMORY;
     size_t count = 0;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : count)
     for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!split || !rsv_cell_wants_contact_split(e, c, b->contact_size)) continue;
+        if (!rsv_cell_wants_contact_split(e, c, b->contact_size)) continue;
         split[c] = !was_left_whole(b, e, c);
         count += split[c];
     }
-    bool room = e->node_count + RSV_NODES_PER_SPLIT * count <= b->most_nodes;
-    *marked = room ? count : 0;
-    if (*marked && status == RSV_OK) status = rsv_elements_refine(e, split, elements);
-    rsv_free(e->context, split);
-    if (*marked && status == RSV_OK) rsv_elements_destroy(e);
-    return status;
+    return e->node_count + RSV_NODES_PER_SPLIT * count <= b->most_nodes ? count : 0;
 }
 
+/// Splits cells until none asks for it. Those that were there before were judged when things moved.
 static rsv_status split_cells(const divider *v)
 {
-    const rsv_elements *start = v->before->start;
-    rsv_elements **e = &v->d->elements;
+    const rsv_elements *coarser = v->before->start, *judged = v->before->elements;
+    rsv_context *context = coarser->context;
+    rsv_elements *e = NULL;
+    rsv_status status = RSV_OK;
     size_t marked = 1;
-    rsv_status status;
-    uint8_t *none = rsv_alloc(start->context, start->cell_count, 1);
-    RSV_TRY(none ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_elements_refine(start, none, e));
-    while (marked) {
-        RSV_TRY(rsv_elements_find_open_corners(&v->scene, NULL, *e, v->rays));
-        RSV_TRY(split_once(v, e, &marked));
+    uint8_t *split = rsv_alloc(context, coarser->cell_count, 1);
+    while (marked && status == RSV_OK) {
+        rsv_elements *finer = NULL;
+        RSV_TRY(split ? RSV_OK : RSV_ERROR_MEMORY);
+        RSV_TRY(rsv_elements_refine(coarser, split, &finer));
+        status = rsv_elements_find_open_corners(&v->scene, judged, finer, v->rays);
+        rsv_elements_destroy(e);
+        judged = coarser = e = finer;
+        rsv_free(context, split);
+        split = rsv_alloc(context, e->cell_count, 1);
+        marked = split ? mark_cells(v, e, split) : 1;
     }
 cleanup:
-    rsv_free(start->context, none);
+    rsv_free(context, split);
+    v->d->elements = e;
     return status;
 }
 
