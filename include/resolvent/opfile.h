@@ -23,7 +23,8 @@ RSV_API rsv_status rsv_light_save(const rsv_light *light, const char *scene_name
 /// file is mapped and may be gone afterwards. It is treated as hostile: RSV_ERROR_IO if it cannot be read,
 /// RSV_ERROR_FORMAT if it is cut off, foreign, changed (SHA-256) or inconsistent, RSV_ERROR_UNSUPPORTED if its
 /// format is of another version.
-/// @param scene, solution out; to be destroyed by the caller, the solution first
+/// @param scene out; owned by the caller
+/// @param light out: the solution; destroy it before the scene
 RSV_API rsv_status rsv_light_load(
     rsv_context *context, const char *path, rsv_scene **scene, rsv_light **light);
 

@@ -40,6 +40,7 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
+        if (rsv_cancelled(e->context)) continue;
         valid_points[node] = e->node_hanging[node] == RSV_NONE
                                  ? rsv_judge_points(scene, e, (uint32_t)node,
                                        rsv_elements_draw_of(e, (uint32_t)node), draw, &traced)

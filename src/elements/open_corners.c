@@ -133,7 +133,7 @@ rsv_status rsv_elements_find_open_corners(
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : traced)
     for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!rsv_team_owns(place, c, RSV_TEAM_BLOCK)) continue;
+        if (!rsv_team_owns(place, c, RSV_TEAM_BLOCK) || rsv_cancelled(e->context)) continue;
         bool known = earlier && earlier->cell_openness;
         uint32_t same = known ? rsv_elements_find_same_cell(earlier, &e->cell[c]) : RSV_NONE;
         rsv_cell_shape shape;
@@ -149,7 +149,7 @@ rsv_status rsv_elements_find_open_corners(
     rsv_team_merge(
         e->context, e->cell_openness, sizeof *e->cell_openness, e->cell_count, RSV_TEAM_BLOCK);
     *rays += rsv_team_total(e->context, traced);
-    return RSV_OK;
+    return rsv_progress(e->context, "assemble", 0);
 }
 
 rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place)

@@ -12,7 +12,7 @@ from .arrays import ArrayLike, choice, copy_of, floats, number, pointer, probes,
 from .context import Context, Handle, Object, count, default_context, names_of
 from .images import Path, file_name
 from .transport import Operator
-from .rendering import Layered, camera_of, render_desc, rendered
+from .rendering import GLOSSES, Layered, camera_of, plan_desc, render_desc, render_planned, rendered
 from .reports import (ERROR_STOPS, BakeReport, Certificate, GoalCertificate, SolveReport, report, solve_report)
 from .scene import Scene, split_readings
 from .solving import Wishes
@@ -192,16 +192,19 @@ class Light(Object):
 
     @overload
     def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
-               height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
+               height: Optional[int] = None, error: Optional[float] = None, max_time: Optional[float] = None,
+               samples: Optional[int] = None, noise: float = 0.0, gather_rays: int = 0, gloss: str = "paths",
                layers: Literal[False] = False, seed: int = 0, path_depth: int = 64) -> np.ndarray: ...
 
     @overload
     def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
-               height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
+               height: Optional[int] = None, error: Optional[float] = None, max_time: Optional[float] = None,
+               samples: Optional[int] = None, noise: float = 0.0, gather_rays: int = 0, gloss: str = "paths",
                layers: Literal[True], seed: int = 0, path_depth: int = 64) -> Layered: ...
 
     def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
-               height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
+               height: Optional[int] = None, error: Optional[float] = None, max_time: Optional[float] = None,
+               samples: Optional[int] = None, noise: float = 0.0, gather_rays: int = 0, gloss: str = "paths",
                layers: bool = False, seed: int = 0, path_depth: int = 64) -> Any:
         """A picture.
 
@@ -210,23 +213,38 @@ class Light(Object):
         camera : a Camera, or the name or index of one of the scene's; None = its first
         mode : "final", direct light per pixel; "operator", all light looked up; "reference", path traced
         width, height : pixels; what is not given follows from the camera's aspect, 512 the longer side
-        samples : camera rays per pixel
+        error : mode "final": RMS error of pixels that is wanted, relative to what is around them, 0.005 to 1; where
+            neither this nor `samples`, `noise` or `gather_rays` says how, 0.07. The solution stays as it is.
+        max_time : mode "final": the best picture that so many seconds allow, with `error` no better than that
+        samples : camera rays per pixel instead; modes "operator" and "reference": default 9 and 64
         noise : wanted standard error of a pixel as a share of what is around it; 0 = `samples` everywhere
         gather_rays : mode "final": per camera ray; 0 = look the indirect light up
+        gloss : mode "operator": what rough surfaces reflect is found by "paths" or "reused" among neighbours (fast, a
+            little biased)
 
         Returns
         -------
         (height, width, 3) float32, W/(sr m2), row 0 on top; with `layers` that, and a dict of the same by order of
         reflection: "emission", "direct", "bounce1", ...
         """
-        scene = self.scene
+        scene, asked = self.scene, error is not None or max_time is not None
+        fixed = samples is not None or noise or gather_rays
+        if asked and (mode != "final" or fixed):
+            raise ValueError("error, max_time: they choose the samples of mode final; leave out mode, samples, noise and "
+                             "gather_rays, or both of them")
         if mode == "reference":
             kind: Any = layers
-            return scene.reference(camera, width=width, height=height, samples=samples, layers=kind, seed=seed,
-                                   path_depth=path_depth)
-        desc, keep = render_desc(scene, mode, camera, (width, height), samples=samples, noise=noise,
-                                 gather_rays=gather_rays, layers=layers, seed=seed, path_depth=path_depth)
-        handle = self._context.create(lib.rsv_render, "rsv_image", lib.rsv_image_destroy, None, self._pointer, desc)
+            return scene.reference(camera, width=width, height=height, samples=64 if samples is None else samples,
+                                   layers=kind, seed=seed, path_depth=path_depth)
+        desc, keep = render_desc(scene, mode, camera, (width, height), samples=9 if samples is None else samples,
+                                 noise=noise, gather_rays=gather_rays, layers=layers, seed=seed, path_depth=path_depth)
+        if mode == "operator":
+            call = (lib.rsv_render_operator, self._pointer, desc, choice("gloss", gloss, GLOSSES))
+        elif fixed or (scene._has_fog and not asked):
+            call = (lib.rsv_render, self._pointer, desc)
+        else:
+            call = (render_planned, scene._pointer, self._pointer, plan_desc(error, max_time), desc)
+        handle = self._context.create(call[0], "rsv_image", lib.rsv_image_destroy, None, *call[1:])
         del keep
         return rendered(handle, layers)
 

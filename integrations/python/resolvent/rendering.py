@@ -1,6 +1,7 @@
 """Descriptions of pictures, and what comes out."""
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 MODES = ("operator", "final", "reference")
+GLOSSES = ("paths", "reused")
 LONGER_SIDE = 512
 #: With layers=True: the picture, and its layers by name.
 Layered = Tuple[np.ndarray, Dict[str, np.ndarray]]
@@ -69,6 +71,28 @@ def render_desc(scene: Scene, mode: str, camera: Any, size: Tuple[Optional[int],
         else:
             setattr(desc, name, count(name, value, 1 << 24 if name != "seed" else 2**32 - 1, int(name == "samples")))
     return desc, keep
+
+
+def plan_desc(error: Optional[float], max_time: Optional[float]) -> Any:
+    """A rsv_plan_desc. With `max_time` alone: as good as there is time for."""
+    desc = ffi.new("rsv_plan_desc *", lib.rsv_default_plan_desc())
+    if error is not None:
+        desc.relative_error = number("error", error)
+        if desc.relative_error <= 0:
+            raise ValueError(f"error: {error} is not above 0")
+    elif max_time is not None:
+        desc.relative_error = 0
+    desc.max_seconds = math.inf if max_time is None else number("max_time", max_time)
+    return desc
+
+
+def render_planned(scene: Any, light: Any, plan: Any, desc: Any, image: Any) -> int:
+    """`light` is kept; NULL = the plan solves one for itself."""
+    used = ffi.new("rsv_light **", light)
+    status = lib.rsv_render_planned(scene, plan, desc, used, image, ffi.NULL)
+    if light == ffi.NULL and status == lib.RSV_OK:
+        lib.rsv_light_destroy(used[0])
+    return status
 
 
 def rendered(handle: Handle, layers: bool) -> Union[np.ndarray, Layered]:

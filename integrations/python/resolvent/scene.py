@@ -10,7 +10,7 @@ from ._native import ffi, lib
 from .arrays import ArrayLike, choice, copy_of, floats, indices, number, pointer, probes, real
 from .context import Context, Object, count, default_context, names_of
 from .images import Path, file_name
-from .rendering import Layered, render_desc, rendered
+from .rendering import Layered, plan_desc, render_desc, render_planned, rendered
 from .solving import Wishes
 from .things import Camera, Environment, Fog, Material, Mesh, PunctualLight, Texture, text
 
@@ -227,6 +227,33 @@ class Scene(Object):
         from .light import Light  # lights have scenes, too
 
         return Light._solved(self, Wishes(self, quality, goal, error, options))
+
+    def render(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
+               error: Optional[float] = None, max_time: Optional[float] = None, layers: bool = False,
+               seed: int = 0) -> Any:
+        """A picture of a scene whose light is of no further use, as `resolvent render` takes it: elements, rays and
+        samples are chosen together. `solve` once for many pictures.
+
+        Parameters
+        ----------
+        camera : a Camera, or the name or index of one of the scene's; None = its first
+        width, height : pixels; what is not given follows from the camera's aspect, 512 the longer side
+        error : RMS error of pixels that is wanted, relative to what is around them, 0.005 to 1; default 0.07
+        max_time : the best picture that so many seconds allow, with `error` no better than that
+
+        Returns
+        -------
+        (height, width, 3) float32, W/(sr m2); with `layers` that, and a dict of the same by order of reflection
+        """
+        desc, keep = render_desc(self, "final", camera, (width, height), layers=layers, seed=seed)
+        handle = self._context.create(render_planned, "rsv_image", lib.rsv_image_destroy, None, self._pointer, ffi.NULL,
+                                      plan_desc(error, max_time), desc)
+        del keep
+        return rendered(handle, layers)
+
+    @property
+    def _has_fog(self) -> bool:
+        return lib.rsv_scene_get_view(self._pointer).fog != ffi.NULL
 
     @overload
     def reference(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,

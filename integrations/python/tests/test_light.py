@@ -93,6 +93,31 @@ class Pictures(unittest.TestCase):
         self.assertEqual(list(layers)[:3], ["emission", "direct", "bounce1"])
         np.testing.assert_allclose(sum(layers.values()), picture, atol=1e-5 * picture.max())
 
+    def test_pictures_are_as_good_as_was_asked_for(self):
+        light = solved_lamps()
+        judges = [light.scene.reference(width=24, samples=512, seed=seed) for seed in (1, 2)]
+
+        def error(picture):  # the judges' noise cancels
+            truth = np.mean(judges, 0)
+            return np.mean((picture - judges[0]) * (picture - judges[1]) / (truth**2 + 0.01 * truth.mean()**2))**0.5
+
+        whole = light.scene.render(width=24, error=0.05)
+        self.assertLess(error(whole), 0.0625)
+        errors = [error(light.render(width=24, error=wanted)) for wanted in (0.4, 0.05)]
+        self.assertLess(errors[1], errors[0])
+        np.testing.assert_array_equal(light.render(width=24), light.render(width=24, error=0.07))
+        self.assertEqual(light.scene.render(width=8, max_time=0.5, layers=True)[0].shape, (8, 8, 3))
+        self.assertLess(error(light.render(width=24, mode="operator", gloss="reused")), 0.4)
+
+    def test_pictures_that_contradict_themselves_are_refused(self):
+        light = solved_lamps()
+        for options in ({"samples": 4}, {"noise": 0.1}, {"gather_rays": 1}, {"mode": "operator"}):
+            with self.assertRaisesRegex(ValueError, "leave out"):
+                light.render(width=8, error=0.1, **options)
+        for options in ({"error": 0}, {"error": -1}, {"max_time": 0}, {"error": 1e-4}, {"error": np.nan}):
+            with self.assertRaises(ValueError):
+                light.render(width=8, **options)
+
     def test_a_camera_of_ones_own_is_that_of_the_scene(self):
         light = solved_lamps()
         expected = light.render(0, width=16, samples=1)
