@@ -52,8 +52,9 @@ bool cli_find_room(const cli_bench_task *bench, const char *benchmark, cli_room_
         return true;
     }
     if (!bench->assets) {
-        cli_error("bench %s: '%s' is a file of others: say where those are, by --assets FOLDER or "
-                  "RSV_ASSETS (docs/benchmarks.md)",
+        cli_error(
+            "bench %s: '%s' is not part of this repository: give its folder with --assets FOLDER or "
+            "RSV_ASSETS (docs/benchmarks.md)",
             benchmark, bench->scene);
         return false;
     }

@@ -18,8 +18,8 @@ static bool make_folder(const char *path) { return mkdir(path, 0777) == 0 || err
 static bool find_folder(cli_checkpoint *c)
 {
     if (c->resume && access(c->rows, F_OK) != 0) {
-        cli_error(
-            "--resume: '%s' holds no rows of this scene by this version of the program", c->folder);
+        cli_error("--resume: '%s' holds no rows of this scene from this version of the program",
+            c->folder);
         return false;
     }
     if (make_folder(c->folder) && make_folder(c->rows)) return true;

@@ -236,7 +236,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 static bool can_turn(const settings *s, const rsv_scene *scene)
 {
     if (s->bake.turns == 1 || rsv_scene_get_view(scene)->environment) return true;
-    cli_error("--env-turns: there are no surroundings to be turned; give them by --env");
+    cli_error("--env-turns: there is no environment to rotate; add one with --env");
     return false;
 }
 
@@ -244,7 +244,9 @@ static bool can_turn(const settings *s, const rsv_scene *scene)
 static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
 {
     if (!subject->solution || !s->checkpoint.folder) return false;
-    cli_error("--checkpoint: '%s' is a solved operator: there are no rows to be traced", s->scene);
+    cli_error(
+        "--checkpoint: '%s' is already solved, so there are no rows to save; leave out --checkpoint",
+        s->scene);
     return true;
 }
 

@@ -105,7 +105,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         "--heatmap --split --error --max-time --quality --samples --goal --stats --env" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (!s->goal || !s->points) return true;
-    *exit_status = cli_usage_error("certify", "--goal and --points: one goal is all there can be");
+    *exit_status =
+        cli_usage_error("certify", "--goal and --points exclude each other; leave out one");
     return false;
 }
 

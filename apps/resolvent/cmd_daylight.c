@@ -312,7 +312,8 @@ static void describe(const settings *s, daylight_job *job)
     job->run.to = (double)s->to;
     job->run.shade_lux = (double)s->shade_lux;
     job->run.shade_share = (double)s->shade_share;
-    if (isnan(s->north)) cli_note(job->session, "no --north is given: it is taken to lie along -z");
+    if (isnan(s->north))
+        cli_note(job->session, "no --north given: north is assumed to be along -z");
 }
 
 /// Whether a file to be written can be, and is none of those that are read.

@@ -36,7 +36,8 @@ static const char help[] =
         CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
     "  resolvent fit office.safetensors --wanted desks.csv --at-least -o dimming.csv\n"
-    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv --relit dimmed.safetensors\n";
+    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv --relit "
+    "dimmed.safetensors\n";
 
 typedef struct settings {
     const char *scene, *wanted, *output, *readings, *relit, *mesh;
@@ -94,7 +95,7 @@ static bool has_colors(const cli_points *p)
 static bool check_wanted(const settings *s, const cli_points *p)
 {
     if (p->has[CLI_WANTED_LUX] || has_colors(p)) return true;
-    cli_error("%s: it does not say what is wanted: the header needs a column lux, or r, g and b",
+    cli_error("%s: it has no target readings: the header needs a column lux, or columns r, g and b",
         s->wanted);
     return false;
 }

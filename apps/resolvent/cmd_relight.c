@@ -195,7 +195,7 @@ static bool check_places(const settings *s)
 {
     for (size_t k = 0; k < s->animation.track_count && !s->object; k++)
         if (s->animation.track[k].kind == CLI_TRACK_PLACE) {
-            cli_error("%s: there is no object to place; --object FILE brings one", s->script);
+            cli_error("%s: there is no object to place; add one with --object FILE", s->script);
             return false;
         }
     return true;
@@ -238,7 +238,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         return false;
     }
     if (s->object && s->mode != RSV_RENDER_OPERATOR) {
-        cli_usage_error("relight", "--object: objects that move are shown in --mode operator");
+        cli_usage_error("relight", "--object: moving objects require --mode operator");
         return false;
     }
     if (!read_changes(s)) return false;
@@ -302,7 +302,7 @@ static bool check_outputs(const settings *s)
     char path[PATH_MAX];
     for (size_t k = 0; k < s->outputs.count; k++) {
         if (!output_path(s, k, s->animation.last, path)) {
-            cli_error("-o %s: with --script a name says where the number of the frame goes, as in "
+            cli_error("-o %s: with --script, the name must contain a frame number, as in "
                       "frame-%%04d.png",
                 s->outputs.item[k]);
             return false;

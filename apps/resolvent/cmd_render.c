@@ -128,10 +128,11 @@ static bool check_sequence(settings *s, int *exit_status)
     if (s->moment.clip && !at_time && !in_sequence)
         cli_usage_error("render", "--clip does nothing without --time or --frames");
     else if (at_time && in_sequence)
-        cli_usage_error("render", "--time is one moment, --frames are many: leave out one of them");
+        cli_usage_error("render", "--time and --frames exclude each other; leave out one");
     else if (in_sequence && (s->target.share > 0 || s->target.max_seconds > 0))
-        cli_usage_error("render", "--error and --max-time are of one picture: leave out --frames, "
-                                  "or choose --quality and --spp");
+        cli_usage_error("render",
+            "--error and --max-time are not supported with --frames; choose --quality and "
+            "--spp instead");
     else
         return !in_sequence || cli_read_sequence("render", &s->sequence);
     return false;
@@ -211,7 +212,7 @@ static bool picture_path(
 {
     if (!s->sequence.frames) return snprintf(path, PATH_MAX, "%s", pattern) < PATH_MAX;
     if (cli_frame_path(pattern, frame, path)) return true;
-    cli_error("-o %s: with --frames a name says where the number of the frame goes, as in "
+    cli_error("-o %s: with --frames, the name must contain a frame number, as in "
               "frame-%%04d.png",
         pattern);
     return false;
@@ -231,11 +232,12 @@ static bool takes_the_film(const settings *s)
     bool shifted = s->shift[0] != 0 || s->shift[1] != 0;
     bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
     if (is_occlusion && (s->fstop > 0 || shifted || s->projection != RSV_PROJECTION_CAMERA))
-        cli_error("--mode %s is a pinhole camera's: leave out --fstop, --shift-x, --shift-y and "
-                  "--projection",
+        cli_error(
+            "--mode %s supports a pinhole camera only: leave out --fstop, --shift-x, --shift-y and "
+            "--projection",
             mode_names[s->mode]);
     else if (s->fstop > 0 && s->projection != RSV_PROJECTION_CAMERA)
-        cli_error("--fstop does not go with --projection %s, where all is sharp",
+        cli_error("--fstop is not supported with --projection %s; leave it out",
             projection_names[s->projection]);
     else
         return true;
@@ -253,7 +255,7 @@ static bool check_request(const settings *s)
     }
     if (s->planned && s->target.share > 0 && s->target.share < 0.005f) {
         cli_error(
-            "--error %g %%: pictures are planned for errors of 0.5 %% and more; for less, choose "
+            "--error %g %%: planned pictures support errors of 0.5 %% and more; for less, choose "
             "--quality and --spp",
             100 * (double)s->target.share);
         return false;
@@ -262,12 +264,12 @@ static bool check_request(const settings *s)
     bool shifted = s->shift[0] != 0 || s->shift[1] != 0;
     bool is_more = s->layers || s->noise > 0 || s->fstop > 0 || s->projection || shifted;
     if (s->gloss == RSV_GLOSS_REUSED && (s->mode != RSV_RENDER_OPERATOR || is_more)) {
-        cli_error("--gloss reused is for --mode operator, without --layers, --noise, --fstop, "
+        cli_error("--gloss reused requires --mode operator, without --layers, --noise, --fstop, "
                   "--shift-x, --shift-y and --projection");
         return false;
     }
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
-        cli_error("--mode reference is the processor's alone: leave out --device");
+        cli_error("--mode reference runs on the CPU only: leave out --device");
         return false;
     }
     for (size_t i = 0; i < s->outputs.count; i++)
@@ -406,7 +408,8 @@ static rsv_plan_desc describe_plan(
     if (s->target.share > 0) plan.relative_error = (double)s->target.share;
     if (s->target.max_seconds == 0) return plan;
     if (s->target.share == 0) plan.relative_error = 0;
-    if (left <= 0) cli_warn(session, "--max-time: loading alone took as long");
+    if (left <= 0)
+        cli_warn(session, "--max-time: loading the scene alone took that long; allow more time");
     plan.max_seconds = fmax(left, 1e-3);
     return plan;
 }

@@ -84,7 +84,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->goal && s->points) {
         *exit_status =
-            cli_usage_error("solve", "--goal and --points: one goal is all there can be");
+            cli_usage_error("solve", "--goal and --points exclude each other; leave out one");
         return false;
     }
     if (s->output && cli_ends_in(s->output, ".safetensors")) return true;

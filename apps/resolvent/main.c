@@ -119,9 +119,8 @@ static int help(int argc, char **argv)
 int main(int argc, char **argv)
 {
     if (!processor_serves()) {
-        fputs(
-            "error: this program is built for processors with AVX2, which this one lacks; build it "
-            "with -DRSV_AVX2=OFF\n",
+        fputs("error: this program requires a CPU with AVX2, which this machine lacks; build it "
+              "with -DRSV_AVX2=OFF\n",
             stderr);
         return CLI_FAILURE;
     }

@@ -267,10 +267,10 @@ static void warn_of_reading(cli_session *session)
 static bool check_kind(const cli_session *session, const char *name, bool is_file)
 {
     if (session->mesh && !rsv_scene_is_builtin(name))
-        cli_error(
-            "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
+        cli_error("--mesh %s: '%s' is not a built-in scene; only those accept a mesh",
+            session->mesh, name);
     else if (isfinite(session->moment.time) && !is_file && rsv_scene_is_builtin(name))
-        cli_error("--time: '%s' is a built-in scene, and none of those is animated", name);
+        cli_error("--time: '%s' is a built-in scene; only glTF files are animated", name);
     else
         return true;
     return false;
@@ -340,9 +340,7 @@ rsv_scene *cli_open_scene(
     bool is_file = access(name, F_OK) == 0 && !session->mesh;
     if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
     if (session->clear_air && environment && environment->fog.medium) {
-        cli_error("--fog: %s so far leaves fog out of account, unlike render, probe and certify; "
-                  "leave out the fog",
-            session->clear_air);
+        cli_error("--fog: %s does not support fog; leave it out", session->clear_air);
         return NULL;
     }
     if (!read_luminaires(session)) return NULL;

@@ -18,28 +18,35 @@ static bool refuse_scene_options(
     const cli_session *session, const char *name, const cli_environment *environment)
 {
     if (session->mesh) {
-        cli_error("--mesh %s: '%s' is a solved operator with a scene of its own; solve anew",
+        cli_error(
+            "--mesh %s: '%s' is already solved, with its own scene; solve the scene again with this option",
             session->mesh, name);
         return false;
     }
     if (isfinite(session->moment.time)) {
-        cli_error("--time: '%s' is a solved operator, of one moment; solve another one anew", name);
+        cli_error(
+            "--time: '%s' is already solved, for one moment; solve the scene again with --time",
+            name);
         return false;
     }
     const char *given = cli_reading_given(&session->reading);
     if (given) {
-        cli_error("%s: '%s' is a solved operator with a scene of its own; solve anew", given, name);
+        cli_error(
+            "%s: '%s' is already solved, with its own scene; solve the scene again with this option",
+            given, name);
         return false;
     }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (environment && environment->fog.medium) {
-        cli_error("--fog: '%s' is a solved operator with air of its own; solve anew with --fog", name);
+        cli_error(
+            "--fog: '%s' is already solved, with its own air; solve the scene again with --fog",
+            name);
         return false;
     }
     if (surrounded)
-        cli_error("--env: '%s' is a solved operator with surroundings of its own; new ones need a "
-                  "new solve",
+        cli_error(
+            "--env: '%s' is already solved, with its own environment; solve the scene again with --env",
             name);
     return !surrounded;
 }
@@ -54,8 +61,9 @@ bool cli_is_operator(const char *name)
     else if (found && !S_ISREG(info.st_mode))
         cli_error("%s: is a folder, pipe or device, not a regular file", name);
     else
-        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
-                  "one",
+        cli_error(
+            "%s: it is not an operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
+            "one",
             name);
     return false;
 }

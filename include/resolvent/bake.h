@@ -17,14 +17,17 @@ extern "C" {
 
 /// A texel or vertex as it was baked, and where it is.
 typedef struct rsv_bake_value {
-    uint32_t at[2];     ///< texel, from the upper left; or a vertex of the file's lit primitives, and 0
+    uint32_t at[2]; ///< texel, from the upper left; or a vertex of the file's lit primitives, and 0
     rsv_rgb irradiance; ///< W/m2, before the file's format rounds or clips it
-    const rsv_surface_place *place; ///< [place_count] that it is the mean of
+    const rsv_surface_place
+        *place; ///< [place_count] that it is the mean of: those that can be seen
     uint32_t place_count;
-    bool translucent; ///< its light is diffused below the surface: it is not what arrives at the places
+    bool
+        translucent; ///< its light is diffused below the surface: it is not what arrives at the places
 } rsv_bake_value;
 
-/// Sees values of lightmaps and vertices as they are written, for instance to judge them. Called by one thread, in order.
+/// Sees values of lightmaps and vertices as they are written, for instance to judge them. Called by one thread, in order. Values
+/// that nobody sees, below what stands on a surface, are not shown.
 typedef struct rsv_bake_visitor {
     void *user;
     /// Whether a value is wanted. @param size of the map; or of the list of vertices, and 1
@@ -60,9 +63,9 @@ typedef struct rsv_bake_desc {
     /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
     /// as they are.
     uint32_t turns;
-    float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
-    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
-    bool dry_run;           ///< find out what would come out, write nothing
+    float probe_spacing;             ///< metres; 0 = a sixteenth of the scene's longest side
+    uint32_t probe_samples;          ///< rays per direction of a probe, 32..65536, default 64
+    bool dry_run;                    ///< find out what would come out, write nothing
     const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
 

@@ -103,11 +103,11 @@ static rsv_status check_turns(const basis *b)
 {
     if (!b->s->scene.view->environment)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "bake: there are no surroundings to be turned; give them, or leave out the turns");
+            "bake: there is no environment to rotate; add one, or leave out the turns");
     if (!b->responses->sky_last)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "bake: a light is named 'environment' as the surroundings are: they cannot be turned "
-            "by themselves; rename it");
+            "bake: a light is named 'environment', like the environment itself, which then cannot be rotated "
+            "separately; rename the light");
     return RSV_OK;
 }
 

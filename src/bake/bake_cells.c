@@ -15,14 +15,14 @@ rsv_bake_receiver rsv_bake_cells_receiver(const rsv_bake_cells *q, float w1, flo
 rsv_bake_receiver rsv_bake_cells_pulled(
     const rsv_bake_cells *q, float w1, float w2, float m1, float m2)
 {
-    return rsv_bake_cells_receiver(q, w1 + PULL * (m1 - w1), w2 + PULL * (m2 - w2));
+    float w[2] = { w1, w2 };
+    rsv_bake_lattices_stand_in(q->lattices, q->t, w);
+    return rsv_bake_cells_receiver(q, w[0] + PULL * (m1 - w[0]), w[1] + PULL * (m2 - w[1]));
 }
 
-rsv_rgb rsv_bake_cells_light(const rsv_bake_cells *q, float w1, float w2, float m1, float m2)
+rsv_rgb rsv_bake_cells_light(const rsv_bake_cells *q, float w1, float w2)
 {
-    rsv_bake_receiver r = rsv_bake_cells_pulled(q, w1, w2, m1, m2);
-    const rsv_surface_place place = { r.triangle, r.u, r.v, r.back, 0 };
-    return rgb_add(rsv_bake_stored(q->s, &place), rsv_bake_lattices_at(q->lattices, q->t, w1, w2));
+    return rsv_bake_lattices_at(q->lattices, q->t, w1, w2);
 }
 
 static float difference(rsv_rgb a, rsv_rgb b)
@@ -41,12 +41,10 @@ bool rsv_bake_cells_agree(const rsv_bake_cells *q, rsv_rgb a, rsv_rgb b, float t
 static bool decide(rsv_bake_cells *q, size_t node, int depth, const float (*c)[2])
 {
     if (depth == q->depth) return false;
-    float m[3][2], centre[2];
-    for (int axis = 0; axis < 2; axis++) {
-        centre[axis] = (c[0][axis] + c[1][axis] + c[2][axis]) / 3;
+    float m[3][2];
+    for (int axis = 0; axis < 2; axis++)
         for (int k = 0; k < 3; k++)
             m[k][axis] = 0.5f * (c[k][axis] + c[(k + 1) % 3][axis]);
-    }
     const float child[4][3][2] = {
         { { c[0][0], c[0][1] }, { m[0][0], m[0][1] }, { m[2][0], m[2][1] } },
         { { m[0][0], m[0][1] }, { c[1][0], c[1][1] }, { m[1][0], m[1][1] } },
@@ -58,11 +56,12 @@ static bool decide(rsv_bake_cells *q, size_t node, int depth, const float (*c)[2
         split |= decide(q, 4 * node + 1 + k, depth + 1, child[k]);
     rsv_rgb light[3];
     for (int k = 0; k < 3 && !split; k++)
-        light[k] = rsv_bake_cells_light(q, c[k][0], c[k][1], centre[0], centre[1]);
+        light[k] = rsv_bake_cells_light(q, c[k][0], c[k][1]);
     for (int k = 0; k < 3 && !split; k++) {
         rsv_rgb linear = rgb_scale(rgb_add(light[k], light[(k + 1) % 3]), 0.5f);
-        rsv_rgb truth = rsv_bake_cells_light(q, m[k][0], m[k][1], centre[0], centre[1]);
-        split = !rsv_bake_cells_agree(q, truth, linear, q->desc->tolerance);
+        rsv_rgb truth = rsv_bake_cells_light(q, m[k][0], m[k][1]);
+        split = rsv_bake_lattices_is_open(q->lattices, q->t, m[k][0], m[k][1]) &&
+                !rsv_bake_cells_agree(q, truth, linear, q->desc->tolerance);
     }
     q->split[node] = split;
     return split;

@@ -22,11 +22,12 @@ typedef struct rsv_bake_cells {
 void rsv_bake_cells_decide(rsv_bake_cells *cells);
 
 rsv_bake_receiver rsv_bake_cells_receiver(const rsv_bake_cells *cells, float w1, float w2);
-/// The receiver a little on the way from a corner to the middle (m1, m2) of its cell: on the right side of jumps.
+/// Where light is read once more for a corner: a little on the way to the middle (m1, m2) of its cell, on the right side of jumps;
+/// if nobody sees it, at what stands in for it.
 rsv_bake_receiver rsv_bake_cells_pulled(
     const rsv_bake_cells *cells, float w1, float w2, float m1, float m2);
 /// Irradiance there.
-rsv_rgb rsv_bake_cells_light(const rsv_bake_cells *cells, float w1, float w2, float m1, float m2);
+rsv_rgb rsv_bake_cells_light(const rsv_bake_cells *cells, float w1, float w2);
 /// Whether two lights differ by no more than a share.
 bool rsv_bake_cells_agree(const rsv_bake_cells *cells, rsv_rgb a, rsv_rgb b, float tolerance);
 

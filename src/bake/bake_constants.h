@@ -24,6 +24,12 @@
 /// a slab above a ceiling one sees nothing, of the beam below it that hangs on the same mesh, a face.
 #define LIGHTER 1.5
 
+// ---- What can be seen (bake_open.c) -------------------------------------------------------------------
+
+/// Rays from a place, and how far they may get in the mean within bodies of two-sided surfaces, metres: less than in a room.
+#define POCKET_RAYS 8
+#define POCKET 0.5f
+
 // ---- Charts (bake_chart.c, bake_layout.c, bake_pack.c) -----------------------------------------------
 
 /// Neighbours that meet sharper are in different charts (cosine).
@@ -86,6 +92,8 @@
 #define LIGHT_REFINEMENTS 2
 /// Deviation of a patch over the wanted error of the median one: 99 of 100 are then off by less than five times that.
 #define LARGEST_DEVIATION 1.9f
+/// Patches that a penumbra is followed by beyond where pilots found it.
+#define PENUMBRA_ROUNDS 12
 /// Variance of a mean of stratified samples over that of independent ones.
 #define STRATIFIED 0.3f
 /// By how much the filter lowers the deviation of a texel.

@@ -113,7 +113,8 @@ static rsv_status read_archive(rsv_bake_document *d, const uint8_t *archive, siz
     if (status != RSV_OK) {
         snprintf(message, sizeof message, "%s", rsv_last_error());
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: bake: the document that it holds is damaged: it %s; solve anew", d->name, message);
+            "%s: bake: the glTF document in it is damaged: it %s; solve the scene again", d->name,
+            message);
     }
     d->root = cJSON_ParseWithLength(d->gltf->text, d->gltf->text_bytes);
     return cJSON_IsObject(d->root)

@@ -4,6 +4,9 @@
 #include "../core/vec.h"
 #include "bake_constants.h"
 #include "bake_filter.h"
+#include "bake_grid_open.h"
+
+#include <string.h>
 
 /// What few shadow rays of a patch found.
 typedef struct pilot {
@@ -23,16 +26,26 @@ typedef struct grid_light {
     rsv_rgb *filtered[2]; ///< [count] the same without noise
     uint16_t *samples;    ///< [count] shadow rays of each half; 0 = what others found
     rsv_rgb *light;       ///< [count] of the rest
+    rsv_bake_grid_open open;
+    const uint32_t *group; ///< [count] of patches in the open
 } grid_light;
+
+static void patch_in_the_open(
+    const grid_light *q, size_t k, rsv_bake_patch *patch, uint32_t *number)
+{
+    *number = q->grid->patch(q->grid->user, k, patch);
+    rsv_bake_remove_places(patch, q->open.covered[k]);
+}
 
 /// @param round other random numbers
 static rsv_bake_estimate look(grid_light *q, size_t k, uint32_t samples, uint32_t round)
 {
     rsv_bake_patch patch;
-    uint32_t number = q->grid->patch(q->grid->user, k, &patch);
+    uint32_t number;
+    patch_in_the_open(q, k, &patch, &number);
     rsv_bake_estimate e = rsv_bake_estimate_patch(
         &q->lamps, &patch, samples, rsv_hash3(q->accuracy->seed, number, round));
-    q->light[k] = q->grid->sampled_only ? rgb_gray(0) : e.stored;
+    q->light[k] = e.stored;
     q->samples[k] = (uint16_t)samples;
     q->half[0][k] = rgb_add(e.half[0], e.punctual);
     q->half[1][k] = rgb_add(e.half[1], e.punctual);
@@ -50,8 +63,7 @@ static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
     for (uint32_t b = y - y % 2; b <= y + y % 2; b += 2)
         for (uint32_t a = x - x % 2; a <= x + x % 2; a += 2) {
             size_t n = (size_t)b * grid->width + a;
-            if (a >= grid->width || b >= grid->height || grid->group[n] != grid->group[at])
-                return 0;
+            if (a >= grid->width || b >= grid->height || q->group[n] != q->group[at]) return 0;
             lead[count++] = n;
         }
     return count;
@@ -70,7 +82,7 @@ static pilot look_around(const grid_light *q, size_t at)
             if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
             size_t n = (size_t)b * grid->width + (size_t)a;
             const pilot *p = &q->pilot[n];
-            if (grid->group[n] != grid->group[at] || !p->known) continue;
+            if (q->group[n] != q->group[at] || !p->known) continue;
             mean.open += p->open;
             mean.seen += p->open * p->seen;
             mean.choice += p->choice;
@@ -106,9 +118,9 @@ static bool interpolate(grid_light *q, size_t at, const size_t *lead, uint32_t c
     if (high - low > MOST_SLOPE * f_max(around.light, q->accuracy->dark)) return false;
     q->half[0][at] = mean[0];
     q->half[1][at] = mean[1];
-    if (q->grid->sampled_only) return true;
     rsv_bake_patch patch;
-    q->grid->patch(q->grid->user, at, &patch);
+    uint32_t number;
+    patch_in_the_open(q, at, &patch, &number);
     q->light[at] = rsv_bake_stored_mean(q->s, &patch);
     return true;
 }
@@ -120,8 +132,7 @@ static void take_pilots(grid_light *q)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
     for (size_t k = 0; k < q->count; k++) {
         size_t lead[4];
-        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(q->s->context) ||
-            find_leads(q, k, lead) > 0)
+        if (q->group[k] == RSV_NONE || rsv_cancelled(q->s->context) || find_leads(q, k, lead) > 0)
             continue;
         rsv_bake_estimate e = look(q, k, q->grid->pilot_samples, 0);
         q->pilot[k] =
@@ -151,13 +162,61 @@ static rsv_status send_rays(grid_light *q, bool between)
         size_t lead[4];
         if (rsv_thread_index() == 0 && k % 64 == 0)
             rsv_progress(context, "bake", (double)k / (double)q->count);
-        if (q->grid->group[k] == RSV_NONE || rsv_cancelled(context)) continue;
+        if (q->group[k] == RSV_NONE || rsv_cancelled(context)) continue;
         uint32_t leads = find_leads(q, k, lead);
         if ((leads > 0) != between || (between && interpolate(q, k, lead, leads))) continue;
         uint32_t samples = wanted_samples(q, k);
         if (samples == 0 && between) samples = q->grid->pilot_samples;
         if (samples > 0) look(q, k, samples, 1); // independent of the pilot, which chose how many
     }
+    return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
+}
+
+// ---- where penumbrae fade out ----------------------------------------------------------------------
+
+static float sampled_luminance(const grid_light *q, size_t k)
+{
+    return rgb_luminance(q->half[0][k]) + rgb_luminance(q->half[1][k]);
+}
+
+/// Shadow rays that a patch without light is to send because one beside it has some; 0 = it is not, or did.
+static uint32_t beside_light(const grid_light *q, size_t at)
+{
+    const rsv_bake_grid *grid = q->grid;
+    long x = (long)(at % grid->width), y = (long)(at / grid->width);
+    uint32_t samples = 0;
+    if (q->samples[at] >= LEAST_SAMPLES || sampled_luminance(q, at) > 0) return 0;
+    for (long b = y - 1; b <= y + 1; b++)
+        for (long a = x - 1; a <= x + 1; a++) {
+            if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
+            size_t n = (size_t)b * grid->width + (size_t)a;
+            if (q->group[n] != q->group[at] || !(sampled_luminance(q, n) > 0)) continue;
+            uint32_t theirs = q->samples[n] > LEAST_SAMPLES ? q->samples[n] : LEAST_SAMPLES;
+            if (theirs > samples) samples = theirs;
+        }
+    return samples;
+}
+
+/// Follows penumbrae to where no more light is found: few rays of pilots miss the last of it.
+static rsv_status follow_penumbrae(grid_light *q)
+{
+    rsv_context *context = q->s->context;
+    size_t sent = 1;
+    uint16_t *wanted = rsv_alloc(context, q->count, sizeof *wanted);
+    if (!wanted) return RSV_ERROR_MEMORY;
+    for (int round = 0; round < PENUMBRA_ROUNDS && sent > 0 && !rsv_cancelled(context); round++) {
+        sent = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
+        for (size_t k = 0; k < q->count; k++)
+            wanted[k] = q->group[k] == RSV_NONE ? 0 : (uint16_t)beside_light(q, k);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : sent)
+        for (size_t k = 0; k < q->count; k++) {
+            if (wanted[k] == 0 || rsv_cancelled(context)) continue;
+            look(q, k, wanted[k], 1);
+            sent++;
+        }
+    }
+    rsv_free(context, wanted);
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -173,7 +232,7 @@ static float error_around(const grid_light *q, size_t at)
         for (long a = x - 1; a <= x + 1; a++) {
             if (a < 0 || b < 0 || a >= (long)grid->width || b >= (long)grid->height) continue;
             size_t n = (size_t)b * grid->width + (size_t)a;
-            if (grid->group[n] != grid->group[at] || q->samples[n] == 0) continue;
+            if (q->group[n] != q->group[at] || q->samples[n] == 0) continue;
             float difference = rgb_luminance(q->filtered[0][n]) - rgb_luminance(q->filtered[1][n]);
             squares += 0.25f * difference * difference;
             count++;
@@ -190,7 +249,7 @@ static size_t refine(grid_light *q, uint32_t round)
     size_t refined = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : refined)
     for (size_t k = 0; k < q->count; k++) {
-        if (q->grid->group[k] == RSV_NONE || q->samples[k] == 0 ||
+        if (q->group[k] == RSV_NONE || q->samples[k] == 0 ||
             q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(context) ||
             error_around(q, k) <= LARGEST_DEVIATION * q->accuracy->error)
             continue;
@@ -206,7 +265,7 @@ static rsv_status quieten(grid_light *q)
 {
     rsv_status status;
     const rsv_bake_grid *grid = q->grid;
-    const rsv_bake_noisy_map noisy = { grid->width, grid->height, grid->group,
+    const rsv_bake_noisy_map noisy = { grid->width, grid->height, q->group,
         { q->half[0], q->half[1] }, { q->filtered[0], q->filtered[1] } };
     size_t refined = 1;
     RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
@@ -225,10 +284,12 @@ static rsv_status estimate(grid_light *q)
     RSV_TRY(send_rays(q, false));
     RSV_TRY(send_rays(q, true));
     bool noisy = rsv_lights_any_sampled(q->s->lights) || q->s->lights->punctual_tree;
+    if (noisy) RSV_TRY(follow_penumbrae(q));
     if (noisy) RSV_TRY(quieten(q));
     rsv_rgb *const *half = noisy ? q->filtered : q->half;
     for (size_t k = 0; k < q->count; k++)
         q->light[k] = rgb_positive(rgb_mad(q->light[k], 0.5f, rgb_add(half[0][k], half[1][k])));
+    rsv_bake_grid_open_fill(&q->open, q->light);
 cleanup:
     return status;
 }
@@ -237,6 +298,7 @@ static void free_arrays(grid_light *q)
 {
     rsv_context *context = q->s->context;
     rsv_bake_sources_destroy(&q->lamps.sources);
+    rsv_bake_grid_open_destroy(&q->open);
     rsv_free(context, q->pilot);
     rsv_free(context, q->samples);
     for (int h = 0; h < 2; h++) {
@@ -246,7 +308,7 @@ static void free_arrays(grid_light *q)
 }
 
 rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *grid,
-    const rsv_bake_accuracy *accuracy, rsv_rgb *light)
+    const rsv_bake_accuracy *accuracy, rsv_rgb *light, uint32_t *stand_in)
 {
     rsv_status status;
     grid_light q = { .s = s,
@@ -265,8 +327,11 @@ rsv_status rsv_bake_light_grid(const rsv_light_view *s, const rsv_bake_grid *gri
     for (size_t k = 0; k < q.count; k++)
         light[k] = rgb_gray(0);
     q.lamps.light = s;
+    RSV_TRY(rsv_bake_grid_open_create(s, grid, &q.open));
+    q.group = q.open.group;
     RSV_TRY(rsv_bake_sources_create(s->context, s->lights, &q.lamps.sources));
     status = allocated ? estimate(&q) : RSV_ERROR_MEMORY;
+    if (stand_in) memcpy(stand_in, q.open.stand_in, q.count * sizeof *stand_in);
 cleanup:
     free_arrays(&q);
     return status;

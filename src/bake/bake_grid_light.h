@@ -18,14 +18,15 @@ typedef struct rsv_bake_grid {
     const uint32_t
         *group; ///< [height * width] patches of one group lie on one surface; RSV_NONE = no patch
     uint32_t pilot_samples; ///< shadow rays of each half at first
-    bool sampled_only;      ///< light that elements store is left out
     const void *user;
     /// @param patch out @return what its random numbers depend on
     uint32_t (*patch)(const void *user, size_t index, rsv_bake_patch *patch);
 } rsv_bake_grid;
 
+/// Patches that nobody sees (bake_open.h) get the light of the nearest one of their group in the open.
 /// @param light out: [height * width]; 0 where there is no patch
+/// @param stand_in out: [height * width] the patch whose light each has: itself, if it is in the open; NULL = not asked for
 rsv_status rsv_bake_light_grid(const rsv_light_view *solution, const rsv_bake_grid *grid,
-    const rsv_bake_accuracy *accuracy, rsv_rgb *light);
+    const rsv_bake_accuracy *accuracy, rsv_rgb *light, uint32_t *stand_in);
 
 #endif

@@ -31,20 +31,35 @@ static void pull_inside(rsv_surface_place *place)
     place->v += PULL * (1.0f / 3 - place->v);
 }
 
+/// Halvings of a triangle's sides until they are no longer than `finest`.
+static uint8_t depth_of(const rsv_scene_view *view, uint32_t triangle, float finest)
+{
+    const uint32_t *v = view->triangle[triangle];
+    float longest = 0;
+    for (int k = 0; k < 3; k++)
+        longest =
+            f_max(longest, v3_length(v3_sub(view->position[v[k]], view->position[v[(k + 1) % 3]])));
+    uint8_t depth = 0;
+    for (; depth < RSV_BAKE_DEEPEST && longest > finest; longest *= 0.5f)
+        depth++;
+    return depth;
+}
+
+/// The patch around a place, as wide as the finest cells whether or not the triangle is divided.
+static void patch_around(const rsv_light_view *s, rsv_surface_place place, rsv_bake_patch *patch)
+{
+    float size = ldexpf(1, -depth_of(s->scene.view, place.triangle, place.width));
+    const float step[2] = { size, size };
+    pull_inside(&place);
+    spread(&place, step, patch);
+}
+
 void rsv_bake_vertex_patch(
     const rsv_light_view *s, const rsv_bake_receiver *receiver, float finest, rsv_bake_patch *patch)
 {
-    const rsv_scene_view *view = s->scene.view;
-    const uint32_t *corner = view->triangle[receiver->triangle];
-    rsv_surface_place place = { receiver->triangle, receiver->u, receiver->v, receiver->back,
+    const rsv_surface_place place = { receiver->triangle, receiver->u, receiver->v, receiver->back,
         finest };
-    float step[2];
-    for (int k = 0; k < 2; k++) {
-        float side = v3_length(v3_sub(view->position[corner[k + 1]], view->position[corner[0]]));
-        step[k] = side > finest ? finest / side : 1;
-    }
-    pull_inside(&place);
-    spread(&place, step, patch);
+    patch_around(s, place, patch);
 }
 
 /// The same for all triangles that have the point: what they receive there is then found by the same random numbers.
@@ -64,33 +79,18 @@ static uint32_t lattice_patch(const void *user, size_t index, rsv_bake_patch *pa
     const rsv_bake_lattices *l = user;
     uint32_t t = l->group[index], side = 1u << l->depth[t];
     size_t offset = index - l->first[t];
-    float size = 1 / (float)side, step[2] = { size, size };
+    float size = 1 / (float)side;
     rsv_surface_place place = {
         .triangle = l->part->triangle[t], .back = l->part->back[t], .width = l->finest
     };
     rsv_bake_place(l->part, (float)(offset % l->width) * size, (float)(offset / l->width) * size,
         &place.u, &place.v);
     uint32_t number = number_of_point(l, &place);
-    pull_inside(&place);
-    spread(&place, step, patch);
+    patch_around(l->s, place, patch);
     return number;
 }
 
 // ---- lattices side by side ------------------------------------------------------------------------
-
-static uint8_t depth_of(const rsv_bake_lattices *l, uint32_t t)
-{
-    const rsv_scene_view *view = l->s->scene.view;
-    const uint32_t *v = view->triangle[l->part->triangle[t]];
-    float longest = 0;
-    for (int k = 0; k < 3; k++)
-        longest =
-            f_max(longest, v3_length(v3_sub(view->position[v[k]], view->position[v[(k + 1) % 3]])));
-    uint8_t depth = 0;
-    for (; depth < RSV_BAKE_DEEPEST && longest > l->finest; longest *= 0.5f)
-        depth++;
-    return depth;
-}
 
 /// Rows of lattices of one size, one below the other. @return rows of points
 static size_t arrange(rsv_bake_lattices *l)
@@ -136,12 +136,14 @@ rsv_status rsv_bake_lattices_create(const rsv_light_view *s, const rsv_bake_part
     l->first = rsv_alloc(s->context, part->triangle_count, sizeof *l->first);
     RSV_TRY(l->depth && l->first ? RSV_OK : RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < part->triangle_count; t++)
-        if (part->triangle[t] != RSV_NONE && divide) l->depth[t] = depth_of(l, t);
+        if (part->triangle[t] != RSV_NONE && divide)
+            l->depth[t] = depth_of(s->scene.view, part->triangle[t], finest);
     l->height = (uint32_t)arrange(l);
     size_t points = (size_t)l->width * l->height;
     l->group = rsv_alloc(s->context, points, sizeof *l->group);
     l->light = rsv_alloc(s->context, points, sizeof *l->light);
-    RSV_TRY(l->group && l->light ? RSV_OK : RSV_ERROR_MEMORY);
+    l->stand_in = rsv_alloc(s->context, points, sizeof *l->stand_in);
+    RSV_TRY(l->group && l->light && l->stand_in ? RSV_OK : RSV_ERROR_MEMORY);
     name_points(l);
 cleanup:
     return status;
@@ -154,14 +156,39 @@ void rsv_bake_lattices_destroy(rsv_bake_lattices *l)
     rsv_free(l->context, l->first);
     rsv_free(l->context, l->group);
     rsv_free(l->context, l->light);
+    rsv_free(l->context, l->stand_in);
     *l = (rsv_bake_lattices){ .context = NULL };
 }
 
 rsv_status rsv_bake_lattices_light(rsv_bake_lattices *l, const rsv_bake_accuracy *accuracy)
 {
-    const rsv_bake_grid grid = { l->width, l->height, l->group, LATTICE_PILOT_SAMPLES, true, l,
+    const rsv_bake_grid grid = { l->width, l->height, l->group, LATTICE_PILOT_SAMPLES, l,
         lattice_patch };
-    return rsv_bake_light_grid(l->s, &grid, accuracy, l->light);
+    return rsv_bake_light_grid(l->s, &grid, accuracy, l->light, l->stand_in);
+}
+
+static size_t nearest_point(const rsv_bake_lattices *l, uint32_t t, float w1, float w2)
+{
+    float side = (float)(1u << l->depth[t]);
+    uint32_t i = (uint32_t)lrintf(f_min(f_max(w1, 0), 1) * side),
+             j = (uint32_t)lrintf(f_min(f_max(w2, 0), 1) * side);
+    if (i + j > 1u << l->depth[t]) j = (1u << l->depth[t]) - i;
+    return l->first[t] + (size_t)j * l->width + i;
+}
+
+bool rsv_bake_lattices_is_open(const rsv_bake_lattices *l, uint32_t t, float w1, float w2)
+{
+    size_t point = nearest_point(l, t, w1, w2);
+    return l->stand_in[point] == point;
+}
+
+void rsv_bake_lattices_stand_in(const rsv_bake_lattices *l, uint32_t t, float w[2])
+{
+    size_t point = nearest_point(l, t, w[0], w[1]);
+    if (l->stand_in[point] == point) return;
+    size_t offset = l->stand_in[point] - l->first[t];
+    w[0] = ldexpf((float)(offset % l->width), -l->depth[t]);
+    w[1] = ldexpf((float)(offset / l->width), -l->depth[t]);
 }
 
 rsv_rgb rsv_bake_lattices_at(const rsv_bake_lattices *l, uint32_t t, float w1, float w2)

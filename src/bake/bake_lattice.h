@@ -1,4 +1,9 @@
-/// Light that shadow rays find, on regular grids of points over the triangles of a part.
+/// Light on regular grids of points over the triangles of a part.
+///
+/// What a point, and a vertex there, stands for is the mean over a patch around it, as wide as cells of the finest grid: the part of
+/// it on its own triangle that can be seen (bake_open.h). Where light bends little that is the light at the point. Where a shadow
+/// ends within a cell, no value of a vertex is right all around it; the vertices of least squared error would be brighter and darker
+/// than any light there is, on both sides of the edge.
 #ifndef RSV_BAKE_LATTICE_H
 #define RSV_BAKE_LATTICE_H
 
@@ -17,6 +22,8 @@ typedef struct rsv_bake_lattices {
     uint32_t width, height;
     uint32_t *group; ///< [height * width] triangle; RSV_NONE = none
     rsv_rgb *light;  ///< [height * width]
+    uint32_t *
+        stand_in; ///< [height * width] the point whose light each has: itself, unless nobody sees it
 } rsv_bake_lattices;
 
 /// @param finest metres: sides are not halved below @param divide whether they are at all
@@ -28,6 +35,13 @@ rsv_status rsv_bake_lattices_light(rsv_bake_lattices *lattices, const rsv_bake_a
 
 /// Light there, linear between points. @param w1, w2 weights of the file's corners 1 and 2
 rsv_rgb rsv_bake_lattices_at(const rsv_bake_lattices *lattices, uint32_t t, float w1, float w2);
+
+/// Whether somebody sees the point of a lattice that is nearest.
+bool rsv_bake_lattices_is_open(const rsv_bake_lattices *lattices, uint32_t t, float w1, float w2);
+
+/// The point of a lattice that stands in for the nearest one. @param w in: weights of corners 1 and 2; out: its own, unless
+/// the nearest stands for itself
+void rsv_bake_lattices_stand_in(const rsv_bake_lattices *lattices, uint32_t t, float w[2]);
 
 /// What a vertex stands for: places around it on its triangle, as far as half the finest cells.
 void rsv_bake_vertex_patch(const rsv_light_view *solution, const rsv_bake_receiver *receiver,

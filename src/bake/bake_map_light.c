@@ -80,9 +80,9 @@ rsv_status rsv_bake_light_map(const rsv_light_view *s, const rsv_bake_sheet *she
     q.light = rsv_alloc(s->context, q.texels, sizeof *q.light);
     RSV_TRY(q.chart && q.light ? RSV_OK : RSV_ERROR_MEMORY);
     find_charts(&q);
-    const rsv_bake_grid grid = { map->width, map->height, q.chart, PILOT_SAMPLES, false, sheet,
+    const rsv_bake_grid grid = { map->width, map->height, q.chart, PILOT_SAMPLES, sheet,
         texel_patch };
-    RSV_TRY(rsv_bake_light_grid(&smooth.view, &grid, accuracy, q.light));
+    RSV_TRY(rsv_bake_light_grid(&smooth.view, &grid, accuracy, q.light, NULL));
     fill(&q, light);
 cleanup:
     rsv_bake_smooth_destroy(&smooth);

@@ -120,7 +120,8 @@ static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_
     }
     if (fits) return RSV_OK;
     return rsv_fail(RSV_ERROR_ARGUMENT,
-        "%s: bake: the document that it holds is that of another scene; solve anew", d->name);
+        "%s: bake: the glTF document in it belongs to another scene; solve the scene again",
+        d->name);
 }
 
 bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part)
@@ -137,7 +138,7 @@ static rsv_status check_lit(
     for (size_t k = 0; k < parts->count; k++)
         if (rsv_bake_carries_light(solution, &parts->part[k])) return RSV_OK;
     return rsv_fail(RSV_ERROR_SCENE,
-        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->name);
+        "%s: bake: no surface reflects diffusely, so there is no light to store", d->name);
 }
 
 /// Documents of operator files are what somebody wrote.

@@ -301,7 +301,7 @@ static rsv_status follow_lights(follower *f)
         if ((shown && (light < 0 || (size_t)light >= f->d->gltf->light_count)) ||
             count + shown + hangs > f->scene->light_count)
             return rsv_fail(RSV_ERROR_ARGUMENT,
-                "%s: bake: the document that it holds has other lights than its scene; solve anew",
+                "%s: bake: the glTF document in it has other lights than its scene; solve the scene again",
                 f->d->name);
         if (shown) follow_light(f, index, &f->scene->light[count++]);
         if (!hangs) continue;

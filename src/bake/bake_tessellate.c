@@ -231,7 +231,7 @@ cleanup:
 static rsv_status find_vertex(
     tessellator *q, const corner *c, const float centre[2], uint32_t *vertex)
 {
-    rsv_rgb light = rsv_bake_cells_light(&q->cells, c->w1, c->w2, centre[0], centre[1]);
+    rsv_rgb light = rsv_bake_cells_light(&q->cells, c->w1, c->w2);
     *vertex = q->first_vertex[c->attribute];
     while (*vertex != RSV_NONE &&
            !rsv_bake_cells_agree(&q->cells, q->mesh->light[*vertex], light, JUMP))

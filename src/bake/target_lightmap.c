@@ -4,6 +4,7 @@
 #include "bake_constants.h"
 #include "bake_lightmap_file.h"
 #include "bake_map_light.h"
+#include "bake_open.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
@@ -98,12 +99,14 @@ static void show_texels(const rsv_lightmap_bake *b)
     const rsv_bake_visitor *visitor = b->desc->visitor;
     const rsv_bake_map *map = &b->layout.map;
     const rsv_bake_sheet sheet = sheet_of(b);
+    const rsv_bake_cover cover = rsv_bake_cover_of(b->s);
     const uint32_t size[2] = { map->width, map->height };
     for (uint32_t k = 0; k < map->width * map->height; k++) {
         const uint32_t at[2] = { k % map->width, k / map->width };
         rsv_bake_patch patch;
         if (!(map->distance[k] < 0.5f) || !visitor->wants(visitor->user, at, size)) continue;
         rsv_bake_texel_patch(&sheet, k, &patch);
+        if (!rsv_bake_keep_open(&cover, &patch)) continue;
         const rsv_bake_value value = { .at = { at[0], at[1] },
             .irradiance = map->light[k],
             .place = patch.place,

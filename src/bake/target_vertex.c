@@ -4,6 +4,7 @@
 #include "bake_basis.h"
 #include "bake_constants.h"
 #include "bake_lattice.h"
+#include "bake_open.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_relit.h"
@@ -22,6 +23,7 @@ typedef struct vertex_bake {
     cJSON **primitive;   ///< [parts.count]
     rsv_bake_mesh *mesh; ///< [parts.count]; without vertices = carries no light
     rsv_bake_smooth smooth;
+    rsv_bake_cover cover;
     float finest;  ///< metres: triangles are not divided below
     float **old;   ///< [parts.count] colours that vertices had; NULL = white
     size_t *width; ///< [parts.count] numbers in one of these
@@ -284,6 +286,7 @@ static rsv_status read_vertices(
     float error = b->desc->error * dark_of(b->s);
     rsv_bake_smooth smooth;
     rsv_bake_lamps lamps = { .light = &smooth.view };
+    const rsv_bake_cover cover = rsv_bake_cover_of(light);
     rsv_status status = rsv_bake_smooth_create(light, &smooth);
     if (status == RSV_OK)
         status = rsv_bake_sources_create(light->context, light->lights, &lamps.sources);
@@ -295,6 +298,7 @@ static rsv_status read_vertices(
         value[n] = rgb_gray(0);
         if (!shown) continue;
         rsv_bake_vertex_patch(&smooth.view, &b->receiver[n], b->finest, &patch);
+        rsv_bake_keep_open(&cover, &patch);
         value[n] = rsv_bake_light_patch(
             &lamps, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
     }
@@ -339,6 +343,7 @@ static void show_vertex(const vertex_bake *b, const rsv_bake_mesh *mesh, size_t 
     const rsv_bake_visitor *visitor = b->desc->visitor;
     rsv_bake_patch patch;
     rsv_bake_vertex_patch(b->s, &mesh->receiver[n], b->finest, &patch);
+    if (!rsv_bake_keep_open(&b->cover, &patch)) return;
     const rsv_bake_value value = { .at = { index, 0 },
         .irradiance = mesh->light[n],
         .place = patch.place,
@@ -410,6 +415,7 @@ static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_
     rsv_status status;
     vertex_bake b = { .s = solution,
         .desc = desc,
+        .cover = rsv_bake_cover_of(solution),
         .finest = solution->elements->spacing / (float)(1 << solution->desc.direct_levels) };
     RSV_TRY(open_document(&b));
     RSV_TRY(tessellate(&b));

@@ -68,7 +68,7 @@ static rsv_status read_size(size_t i, const char *name, double *size)
     if (end == text + 1 || *end || !(*size >= range->least && *size <= range->most) ||
         *size != floor(*size))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "scene '%s': behind the colon belongs a whole number of %s from %.0f to %.0f", name,
+            "scene '%s': a whole number of %s from %.0f to %.0f must follow the colon", name,
             range->unit, range->least, range->most);
     return RSV_OK;
 }

@@ -92,8 +92,8 @@ static rsv_status take_samples(examination *x)
             "certify: at %u of %u points the light is not a finite number", broken, count);
     if (job.stored_caustics)
         rsv_log(context, RSV_LOG_WARNING,
-            "certify: no gather ray can find punctual lights: photons judge their caustics, as far "
-            "as these are no finer than small parts of the elements");
+            "certify: gather rays cannot find punctual lights, so photons check their caustics; detail finer "
+            "than small parts of the elements is missed");
     return rsv_progress(context, "certify", 1);
 }
 

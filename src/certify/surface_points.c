@@ -1,12 +1,5 @@
 #include "surface_points.h"
 
-#include "../elements/spacing.h"
-
-/// What is closer above a surface is in touch with it, in parts of the spacing of a draft's elements ...
-#define CONTACT 0.02f
-/// ... of which so many cover the scene, whatever the quality of the solution.
-#define DRAFT_ELEMENTS 3000
-
 float rsv_point_width(const rsv_light_view *s, const rsv_face_point *p)
 {
     const rsv_elements *e = s->fine.direct ? s->fine.elements : s->elements;
@@ -20,21 +13,19 @@ float rsv_point_width(const rsv_light_view *s, const rsv_face_point *p)
 rsv_visible_surface rsv_visible_surface_of(
     const rsv_transport_scene *scene, const rsv_elements *elements)
 {
-    return (rsv_visible_surface){ scene, elements,
-        CONTACT * rsv_spacing_for(scene, DRAFT_ELEMENTS).metres };
+    return (rsv_visible_surface){ scene, elements, rsv_touch_distance(scene) };
 }
 
 bool rsv_point_is_buried(
     const rsv_visible_surface *surface, const rsv_face_point *point, uint32_t seed, uint64_t *rays)
 {
     const rsv_elements *e = surface->elements;
-    rsv_hit place = { .triangle = e->face_triangle[point->face], .u = point->u, .v = point->v };
+    const rsv_hit place = {
+        .triangle = e->face_triangle[point->face], .u = point->u, .v = point->v
+    };
     rsv_surface_point at =
         rsv_surface_point_at(e->scene, place.triangle, place.u, place.v, e->face_back[point->face]);
-    if (rsv_is_behind_twin(e->scene, place, at.geometric)) return true;
-    rsv_vec3 origin = rsv_offset_origin(at.position, at.geometric, at.extent);
-    rsv_ray up = { origin, at.geometric, surface->contact };
-    ++*rays;
-    return rsv_tracer_occluded(surface->scene->tracer, &up) ||
-           rsv_is_within_body(surface->scene, origin, at.geometric, seed, rays);
+    return rsv_is_touched_or_hidden(surface->scene, place, &at, surface->contact, rays) ||
+           rsv_is_within_body(surface->scene,
+               rsv_offset_origin(at.position, at.geometric, at.extent), at.geometric, seed, rays);
 }

@@ -63,7 +63,7 @@ static rsv_status check_light(rsv_checker *c)
     const rsv_finding found = { .mistake = RSV_MISTAKE_NO_LIGHT };
     if (shines(c->view)) return RSV_OK;
     return rsv_check_tell(c, &found, "",
-        "nothing shines: no lamp, no emission, no surroundings; export lights, or use --env sky");
+        "nothing shines: no lamp, no emission, no environment; export lights, or use --env sky");
 }
 
 static rsv_status check_doubled(rsv_checker *c)

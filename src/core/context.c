@@ -107,7 +107,7 @@ void rsv_context_cancel(rsv_context *context)
 rsv_status rsv_context_reset_cancel(rsv_context *context)
 {
     if (rsv_team_of(context))
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "a team that was cancelled cannot go on; create another");
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "a cancelled team cannot continue; create another");
     atomic_store_explicit(&context->cancelled, false, memory_order_relaxed);
     return RSV_OK;
 }
@@ -240,7 +240,7 @@ rsv_status rsv_device_failed(rsv_context *context, rsv_status status, const char
 {
     context->device_lost = context->device_lost || status == RSV_ERROR_DEVICE;
     if (context->desc.device->desc.optional) {
-        rsv_log(context, RSV_LOG_WARNING, "device: %s; the processor does it", message);
+        rsv_log(context, RSV_LOG_WARNING, "device: %s; the CPU is used instead", message);
         return RSV_OK;
     }
     context->device_status = status;

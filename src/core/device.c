@@ -23,12 +23,12 @@ rsv_status rsv_device_open(const rsv_device_desc *desc, rsv_device **device)
     const plug_in *p = &plug_ins[desc->kind];
     void *library = dlopen(p->file, RTLD_NOW | RTLD_LOCAL);
     if (!library)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: it takes the plug-in %s, %s: %s", p->file,
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: it needs the plug-in %s, %s: %s", p->file,
             p->need, dlerror());
     rsv_device_opener open = (rsv_device_opener)dlsym(library, RSV_DEVICE_OPEN);
     if (!open)
-        return rsv_fail(
-            RSV_ERROR_UNSUPPORTED, "device: %s is not of this program; install it anew", p->file);
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "device: %s belongs to another version of this program; install it again", p->file);
     rsv_status status = open(rsv_version(), desc, device, message);
     return status == RSV_OK ? RSV_OK : rsv_fail(status, "device: %s", message);
 }

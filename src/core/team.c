@@ -39,7 +39,9 @@ rsv_status rsv_team_join(rsv_team **team)
             dlerror());
     rsv_team_open open = (rsv_team_open)dlsym(library, RSV_TEAM_OPEN);
     if (!open)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, PLUG_IN " is not of this program; install it anew");
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            PLUG_IN " belongs to another version of this program; install it "
+                    "again");
     rsv_status status = open(rsv_version(), team, message);
     return status == RSV_OK ? RSV_OK : rsv_fail(status, "%s", message);
 }
@@ -190,7 +192,7 @@ rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *
     rsv_team_copy(context, 0, first, sizeof first);
     if (strncmp(first, text, sizeof first - 1) != 0)
         status = rsv_fail(RSV_ERROR_ARGUMENT,
-            "its %s is not that of process 0 (%.24s instead of %.24s); all must be given the same",
+            "its %s differs from that of process 0 (%.24s instead of %.24s); all processes need the same",
             what, text, first);
     return rsv_team_meet(context, status);
 }

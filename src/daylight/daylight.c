@@ -139,7 +139,7 @@ rsv_status rsv_daylight_create(const rsv_light *light, const rsv_probe *sensor, 
     *daylight = NULL;
     if (status == RSV_OK && view->scene.view->fog)
         status = rsv_fail(
-            RSV_ERROR_UNSUPPORTED, "daylight: fog is not followed; clear the air of the scene");
+            RSV_ERROR_UNSUPPORTED, "daylight: fog is not supported; remove it from the scene");
     if (status != RSV_OK) return status;
     rsv_daylight *d = rsv_alloc(view->context, 1, sizeof *d);
     if (!d) return RSV_ERROR_MEMORY;

@@ -2,6 +2,7 @@
 
 #include "../scene/twins.h"
 #include "elements_constants.h"
+#include "spacing.h"
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
@@ -179,6 +180,21 @@ bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 nor
     rsv_hit seen = place;
     if (scene->twins) rsv_twins_settle(scene, v3_neg(normal), &seen);
     return seen.triangle != place.triangle;
+}
+
+float rsv_touch_distance(const rsv_transport_scene *scene)
+{
+    return CONTACT * rsv_spacing_for(scene, DRAFT_ELEMENTS).metres;
+}
+
+bool rsv_is_touched_or_hidden(const rsv_transport_scene *scene, rsv_hit place,
+    const rsv_surface_point *at, float touch, uint64_t *rays)
+{
+    if (rsv_is_behind_twin(scene->view, place, at->geometric)) return true;
+    const rsv_ray up = { rsv_offset_origin(at->position, at->geometric, at->extent), at->geometric,
+        touch };
+    ++*rays;
+    return rsv_tracer_occluded(scene->tracer, &up);
 }
 
 /// Whether a ray leaves a body that it did not enter: its skin is seen from within, whatever other bodies lie in it.

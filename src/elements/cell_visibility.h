@@ -64,4 +64,12 @@ bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_ve
 /// @param normal of the side they arrive at
 bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal);
 
+/// What is closer above a surface touches it, metres: alike for solutions of every quality.
+float rsv_touch_distance(const rsv_transport_scene *scene);
+
+/// Whether something touches a place of a triangle, or another face in the same place hides it.
+/// @param at the same place @param touch rsv_touch_distance
+bool rsv_is_touched_or_hidden(const rsv_transport_scene *scene, rsv_hit place,
+    const rsv_surface_point *at, float touch, uint64_t *rays);
+
 #endif

@@ -21,6 +21,8 @@
 #define COVER 0.2f
 /// Clear surfaces cover what lies closer than that.
 #define CONTACT 0.02f
+/// Elements whose spacing says what touches a surface where the quality must not matter: those of a draft.
+#define DRAFT_ELEMENTS 3000
 /// A lamp closer than that keeps to itself what it sheds on the cell: nodes at its border would pass on more light than the
 /// room has from elsewhere. One that is seen past, such as a strip, does not. Measured: CornellBox.glb, first bounce over
 /// the path tracer: draft 1.62 without, 0.990 with, medium 1.084 and 0.994.

@@ -234,7 +234,7 @@ static rsv_status take_wanted(rsv_fit *f, const rsv_fit_wanted *wanted)
     for (size_t i = 0; i < f->count && weights > 0; i++)
         f->weight[i] /= weights;
     if (f->mean > 0 && weights > 0) return RSV_OK;
-    return rsv_fail(RSV_ERROR_ARGUMENT, "fit: no point wants any light");
+    return rsv_fail(RSV_ERROR_ARGUMENT, "fit: no point has a target above 0");
 }
 
 rsv_status rsv_fit_create(const rsv_light *light, const rsv_fit_wanted *wanted, size_t count,
@@ -247,7 +247,7 @@ rsv_status rsv_fit_create(const rsv_light *light, const rsv_fit_wanted *wanted, 
     *f = (rsv_fit){ .context = view->context, .desc = *desc, .count = count };
     double started = seconds();
     RSV_TRY(check_desc(desc));
-    if (!count) RSV_TRY(rsv_fail(RSV_ERROR_ARGUMENT, "fit: no readings are wanted"));
+    if (!count) RSV_TRY(rsv_fail(RSV_ERROR_ARGUMENT, "fit: there are no target readings"));
     RSV_TRY(take_wanted(f, wanted));
     RSV_TRY(rsv_light_responses_create(light, &f->responses));
     RSV_TRY(find_lights(f));

@@ -23,7 +23,7 @@ static bool can_show(const rsv_light_view *s, const rsv_frame_desc *desc)
 {
     if (desc->path_depth <= RSV_DEVICE_CHAIN_DEPTH) return true;
     rsv_log(s->context, RSV_LOG_WARNING,
-        "frames are made by the processor: the device follows paths to depth %d, not %u",
+        "frames are rendered on the CPU: the device follows paths to depth %d, not %u",
         RSV_DEVICE_CHAIN_DEPTH, desc->path_depth);
     return false;
 }

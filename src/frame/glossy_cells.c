@@ -9,6 +9,8 @@
 #define MOST_RESTING 4096
 /// Frames that poor cells wait for their turn at most.
 #define MOST_POOR_TURN 4
+/// Cells for each ray that poor ones may send in a frame.
+#define POOR_CELLS_PER_RAY 16
 
 enum { PLANES = 2 * 8 + 5 * 5 };
 
@@ -89,7 +91,7 @@ void rsv_glossy_cells_begin(rsv_glossy_cells *c, const rsv_lens *lens, bool rest
 
 void rsv_glossy_cells_pace(rsv_glossy_cells *c, uint64_t poor)
 {
-    uint64_t rays = (uint64_t)c->width * c->height / RSV_GLOSSY_TURN + 1;
+    uint64_t rays = (uint64_t)c->width * c->height / POOR_CELLS_PER_RAY + 1;
     c->poor_turn = 1;
     while (c->poor_turn < MOST_POOR_TURN && poor / c->poor_turn > rays)
         c->poor_turn *= 2;

@@ -67,8 +67,9 @@ static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels 
 /// Sixteen cells that look around.
 typedef struct cell_lanes {
     float x[LANES], y[LANES], z[LANES], depth[LANES], nx[LANES], ny[LANES], nz[LANES], alpha[LANES];
-    float sharp[LANES]; ///< how quickly neighbours count less by their normals
-    float near[LANES];  ///< likewise by their place in the picture
+    float sharp[LANES];                ///< how quickly neighbours count less by their normals
+    float near[LANES];                 ///< likewise by their place in the picture
+    float closer[LANES], width[LANES]; ///< likewise by their depth and by the width of their lobes
 } __attribute__((aligned(64))) cell_lanes;
 
 static inline void load_cells(
@@ -82,6 +83,8 @@ static inline void load_cells(
         c->alpha[k] = alpha;
         c->sharp[k] = f_max(2, 1 / (2 * alpha * alpha + 0.002f));
         c->near[k] = 1 / (radius * radius * reach * reach);
+        c->closer[k] = 1 / (c->depth[k] + 1e-6f);
+        c->width[k] = 1 / (0.5f * alpha + 0.02f);
     }
 }
 
@@ -95,8 +98,8 @@ static inline void weigh(const cell_lanes *restrict c, const rsv_glossy_geometry
                       c->nz[k] * (g->z[at + k] - c->z[k]);
         float wider = fabsf(g->alpha[at + k] - c->alpha[k]);
         float alike = f_max(1 - (1 - cos) * c->sharp[k], 0);
-        float level = f_max(1 - 40 * fabsf(above) / (c->depth[k] + 1e-6f), 0);
-        float same = f_max(1 - wider / (0.5f * c->alpha[k] + 0.02f), 0);
+        float level = f_max(1 - 40 * fabsf(above) * c->closer[k], 0);
+        float same = f_max(1 - wider * c->width[k], 0);
         float close = f_max(1 - distance2 * c->near[k], 0);
         weight[k] = g->depth[at + k] > 0 ? alike * alike * level * same * close : 0;
     }
@@ -109,8 +112,8 @@ static inline void weigh_any(
     for (int k = 0; k < LANES; k++) {
         float behind = fabsf(g->depth[at + k] - c->depth[k]);
         float wider = fabsf(g->alpha[at + k] - c->alpha[k]);
-        float level = f_max(1 - 4 * behind / (c->depth[k] + 1e-6f), 0);
-        float same = f_max(1 - wider / (0.5f * c->alpha[k] + 0.02f), 0);
+        float level = f_max(1 - 4 * behind * c->closer[k], 0);
+        float same = f_max(1 - wider * c->width[k], 0);
         weight[k] += g->depth[at + k] > 0 ? ANY_WEIGHT * level * same : 0;
     }
 }
@@ -148,15 +151,25 @@ static inline bool any_positive(const float *restrict x)
     return any;
 }
 
+static inline float least_of(const float *restrict x)
+{
+    float value = x[0];
+    for (int k = 1; k < LANES; k++)
+        value = f_min(value, x[k]);
+    return value;
+}
+
 // ---- samples of this frame ----------------------------------------------------------------------
 
 static inline void add_fresh(const rsv_glossy_cells *cells, size_t at, const cell_lanes *restrict c,
     light_lanes *restrict sum)
 {
     _Alignas(64) float weight[LANES];
+    float near = least_of(c->near);
     for (int dy = -3; dy <= 3; dy++)
         for (int dx = -3; dx <= 3; dx++) {
             size_t there = at + (size_t)((ptrdiff_t)dy * cells->stride + dx);
+            if ((float)(dx * dx + dy * dy) * near >= 1) continue; // too far for all
             if (!any_positive(cells->fresh.count + there)) continue;
             weigh(c, &cells->now, there, (float)(dx * dx + dy * dy), weight);
             add_lanes(&cells->fresh, there, weight, sum);
@@ -377,7 +390,7 @@ static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_
 
 /// Sixteen pixels, and what they take from cells.
 typedef struct pixel_lanes {
-    float depth[LANES], nx[LANES], ny[LANES], nz[LANES];
+    float depth[LANES], closer[LANES], nx[LANES], ny[LANES], nz[LANES];
     float r[LANES], g[LANES], b[LANES], weight[LANES];
 } __attribute__((aligned(64))) pixel_lanes;
 
@@ -391,7 +404,7 @@ static inline void add_line(
     for (int k = 0; k < LANES; k++) {
         size_t cell = at + (size_t)(k / 2) + (size_t)(beside ? (k & 1 ? 1 : -1) : 0);
         float cos = p->nx[k] * g->nx[cell] + p->ny[k] * g->ny[cell] + p->nz[k] * g->nz[cell];
-        float behind = (g->depth[cell] - p->depth[k]) / (p->depth[k] + 1e-6f);
+        float behind = (g->depth[cell] - p->depth[k]) * p->closer[k];
         float alike = f_max(1 - 8 * (1 - cos), 1e-3f), level = 1 / (1 + 400 * behind * behind);
         float w = g->depth[cell] > 0 ? share * alike * alike * level : 0;
         p->r[k] += w > 0 ? w * l->r[cell] : 0;
@@ -411,6 +424,7 @@ static void light_pixels(const rsv_glossy_cells *cells, const rsv_glossy_pixels 
     memset(&p, 0, sizeof p);
     for (int k = 0; k < LANES; k++) {
         p.depth[k] = pixels->depth[first + k];
+        p.closer[k] = 1 / (p.depth[k] + 1e-6f);
         p.nx[k] = (float)pixels->normal[0][first + k] * (1.0f / 32767);
         p.ny[k] = (float)pixels->normal[1][first + k] * (1.0f / 32767);
         p.nz[k] = (float)pixels->normal[2][first + k] * (1.0f / 32767);

@@ -11,8 +11,14 @@
 /// Samples from which on a cell sends fewer rays, where its lobe shows much; fewer do where it shows less.
 #define ENOUGH_SAMPLES 48.0f
 #define LEAST_SAMPLES 6.0f
+/// Narrow lobes and cells of few samples take every turn if they show more than the first share of their pixel, and every
+/// fourth one below the second.
+#define MUCH_SHOWN 0.25f
+#define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
+/// Light counts as seen at least so much, however dark the lobe.
+#define LEAST_SHARE 0.01f
 
 void rsv_glossy_rays_create(
     const rsv_packet_kernels *kernels, const rsv_light_table *table, rsv_glossy_rays *r)
@@ -115,16 +121,26 @@ static void add_diffuse(void *user, const rsv_specular_path *path, rsv_rgb weigh
     f->radiance = rgb_add(f->radiance, rgb_mul(weight, shown));
 }
 
-/// The rest of a path, one by one. @param own emission of its first surface is left out
-static rsv_rgb follow(
-    const rsv_glossy_rays *r, const rsv_specular_path *path, uint32_t trail, rsv_rgb own)
+/// The rest of a path, one by one. Branches that are faint to the eye play roulette. @param own emission of its first
+/// surface is left out @param share of the light that the camera sees
+static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, uint32_t trail,
+    rsv_rgb own, float share)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
         path->events + MOST_EVENTS, false, NULL };
     found f = { r, rgb_gray(0) };
-    rsv_rgb sources = rsv_camera_path(&setting, *path, trail, NULL, add_diffuse, &f);
-    if (!shows_sources(r)) return f.radiance;
-    return rgb_add(f.radiance, rgb_positive(rgb_sub(sources, own)));
+    rsv_specular_path seen = *path;
+    seen.weight = rgb_scale(seen.weight, share);
+    rsv_rgb sources = rsv_camera_path(&setting, seen, trail, NULL, add_diffuse, &f);
+    sources = rgb_positive(rgb_sub(sources, rgb_scale(own, share)));
+    if (shows_sources(r)) f.radiance = rgb_add(f.radiance, sources);
+    return rgb_scale(f.radiance, 1 / share);
+}
+
+/// Share of what a lane's ray finds that the camera sees.
+static float share_seen(const rsv_glossy_rays *r, uint32_t lane)
+{
+    return f_min(f_max(rgb_max(r->weight[lane]), LEAST_SHARE), 1);
 }
 
 /// A surface of any other kind.
@@ -138,7 +154,7 @@ static rsv_rgb other_met(const rsv_glossy_rays *r, uint32_t lane)
     rsv_rgb shown = emission_met(r, lane, &path, emission);
     uint32_t face = r->table->solution->elements->face_of[path.back][path.triangle];
     if (face == RSV_NONE || bsdf->diffuse == 0 || bsdf->opacity < 1)
-        return rgb_add(shown, follow(r, &path, r->trail[lane], emission));
+        return rgb_add(shown, follow(r, &path, r->trail[lane], emission, share_seen(r, lane)));
     rsv_vec3 normal =
         v3(r->packet.normal_x[lane], r->packet.normal_y[lane], r->packet.normal_z[lane]);
     float cos = fabsf(v3_dot(normal, path.direction)) / f_max(v3_length(normal), 1e-30f);
@@ -240,7 +256,7 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     found base = { r, rgb_gray(0) };
     rsv_bsdf_branches branches = rsv_specular_branches(scene_of(r), path);
     if (!rgb_is_black(branches.diffuse)) add_diffuse(&base, path, branches.diffuse);
-    rsv_rgb light = rgb_sub(follow(r, path, trail, own), base.radiance);
+    rsv_rgb light = rgb_sub(follow(r, path, trail, own, 1), base.radiance);
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 
@@ -296,30 +312,37 @@ static bool is_poor(const rsv_glossy_cells *c, size_t cell)
     return cos < 0.5f || fabsf(g->alpha[cell] - b->alpha[cell]) > 0.5f * g->alpha[cell];
 }
 
-/// Samples that are enough, by how much of what a pixel shows its lobe is: as bright as even light, all of a mirror's.
-static float enough_samples(
+/// Share of what a pixel shows that its lobe is: as bright as even light, all of a mirror's.
+static float share_shown(
     const rsv_glossy_cells *c, size_t cell, const rsv_glossy_tile *tile, uint32_t pixel)
 {
-    float albedo = 0, light = 0, even = 0;
+    float albedo = 0, even = 0;
     for (int k = 0; k < 3; k++) {
         albedo = f_max(albedo, tile->albedo[k][pixel]);
         even += tile->even[k][pixel];
     }
-    light = c->kept_before.r[cell] + c->kept_before.g[cell] + c->kept_before.b[cell];
-    float shown = even > 0 ? albedo * f_max(light / even, 1) : 1;
-    return f_max(ENOUGH_SAMPLES * f_min(4 * shown, 1), LEAST_SAMPLES);
+    float light = c->kept_before.r[cell] + c->kept_before.g[cell] + c->kept_before.b[cell];
+    return even > 0 ? f_min(albedo * f_max(light / even, 1), 1) : 1;
+}
+
+/// Turns for each that a cell takes.
+static uint32_t turns_per_ray(float shown)
+{
+    return shown > MUCH_SHOWN ? 1 : shown > LITTLE_SHOWN ? 2 : 4;
 }
 
 /// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip one or three of four once they have enough.
 static bool has_turn(
-    const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row, float enough)
+    const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row, float shown)
 {
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
-    if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & 1) == 0;
-    if (is_poor(c, cell)) return (wait & (c->poor_turn - 1)) == 0;
+    uint32_t turns = turns_per_ray(shown);
+    if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & (2 * turns - 1)) == 0;
+    if (is_poor(c, cell)) return (wait & (c->poor_turn * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
     float count = c->kept_before.count[cell];
+    float enough = f_max(ENOUGH_SAMPLES * f_min(4 * shown, 1), LEAST_SAMPLES);
     uint32_t round = wait / RSV_GLOSSY_TURN + (column >> 2) + (row >> 1);
     return (round & (count < enough ? 0 : count < 2 * enough ? 1 : 3)) == 0;
 }
@@ -335,8 +358,8 @@ void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
         for (uint32_t k = 0; k < RSV_LANES; k++)
             if (speaker[k] >= 0) {
                 r->poor += is_poor(c, at + k);
-                float enough = enough_samples(c, at + k, tile, (uint32_t)speaker[k]);
-                if (has_turn(c, at + k, k, line, enough))
+                float shown = share_shown(c, at + k, tile, (uint32_t)speaker[k]);
+                if (has_turn(c, at + k, k, line, shown))
                     sample(r, task, tile, (uint32_t)speaker[k], at + k);
             }
     }

@@ -3,15 +3,14 @@
 #include "../scene/texture.h"
 #include "../scene/texture_triangle.h"
 
-/// Two codes of 16 bits from each place on, the first one in the lower half. @param index of the first code
-static inline void gather_codes(
-    const uint16_t *restrict code, const int *restrict index, int *restrict word)
+/// A texel's codes of 16 bits, and one more.
+static inline rsv_float4 texel_at(const uint16_t *code)
 {
-#if defined(__AVX512F__)
-    _mm512_store_epi32(word, _mm512_i32gather_epi32(_mm512_load_epi32(index), code, 2));
+#if defined(__SSE2__)
+    __m128i codes = _mm_loadl_epi64((const void *)code);
+    return (rsv_float4)_mm_cvtepi32_ps(_mm_unpacklo_epi16(codes, _mm_setzero_si128()));
 #else
-    for (int k = 0; k < LANES; k++)
-        memcpy(word + k, code + index[k], 4);
+    return (rsv_float4){ (float)code[0], (float)code[1], (float)code[2], (float)code[3] };
 #endif
 }
 
@@ -102,30 +101,30 @@ static inline void find_texels(const float *restrict place, const int *restrict 
     }
 }
 
-/// Adds the colours of texels, times their weights. @param index of their first codes
-static inline void add_texels(const rsv_texture *texture, const int *restrict index,
-    const float *restrict weight, float (*restrict color)[LANES])
+/// What a lane adds up: the corners that it lies between.
+typedef struct texel_lanes {
+    int index[4][LANES]; ///< of their first codes
+    float weight[4][LANES];
+} __attribute__((aligned(64))) texel_lanes;
+
+/// Adds the colours of texels, times their weights: lane by lane, a whole texel at a time.
+static inline void add_texels(
+    const rsv_texture *texture, const texel_lanes *restrict from, rsv_float4 *restrict color)
 {
-    _Alignas(64) int red[LANES], green[LANES], next[LANES];
-    for (int k = 0; k < LANES; k++)
-        next[k] = index[k] + 1;
-    gather_codes(texture->unorm, index, red);
-    gather_codes(texture->unorm, next, green);
     for (int k = 0; k < LANES; k++) {
-        float share = weight[k] * (1.0f / 65535);
-        color[0][k] += share * (float)(red[k] & 0xffff);
-        color[1][k] += share * (float)(green[k] & 0xffff);
-        color[2][k] += share * (float)(int)((uint32_t)green[k] >> 16);
+        rsv_float4 sum = color[k];
+        for (int corner = 0; corner < 4; corner++)
+            sum += from->weight[corner][k] * texel_at(texture->unorm + from->index[corner][k]);
+        color[k] = sum;
     }
 }
 
-/// A level of the pyramid, bilinear. @param share of the level in the colour
-static inline void add_level(const rsv_texture *texture, const texture_lanes *restrict at,
-    const int *restrict level, const float *restrict share, float (*restrict color)[LANES])
+/// Finds the texels of a level of the pyramid, and asks the memory for them. @param share of the level in the colour
+static inline void find_level(const rsv_texture *texture, const texture_lanes *restrict at,
+    const int *restrict level, const float *restrict share, texel_lanes *restrict to)
 {
     _Alignas(64) int width[LANES], height[LANES], first[LANES], column[2][LANES], row[2][LANES];
-    _Alignas(64) int index[LANES];
-    _Alignas(64) float across[LANES], down[LANES], weight[LANES];
+    _Alignas(64) float across[LANES], down[LANES];
     for (int k = 0; k < LANES; k++) {
         const rsv_texture_level *l = &texture->level[level[k]];
         width[k] = (int)l->width, height[k] = (int)l->height, first[k] = (int)l->first;
@@ -135,15 +134,18 @@ static inline void add_level(const rsv_texture *texture, const texture_lanes *re
     for (int corner = 0; corner < 4; corner++) {
         int right = corner & 1, below = corner >> 1, channels = (int)texture->channel_count;
         for (int k = 0; k < LANES; k++) {
-            index[k] = (first[k] + row[below][k] * width[k] + column[right][k]) * channels;
-            weight[k] =
+            int texel = first[k] + row[below][k] * width[k] + column[right][k];
+            float weight =
                 share[k] * (right ? across[k] : 1 - across[k]) * (below ? down[k] : 1 - down[k]);
+            to->index[corner][k] = texel * channels;
+            to->weight[corner][k] = weight * (1.0f / 65535);
         }
-        add_texels(texture, index, weight, color);
+        for (int k = 0; k < LANES && !right; k++)
+            __builtin_prefetch(texture->unorm + to->index[corner][k]);
     }
 }
 
-/// Whether add_level knows how to read the texture.
+/// Whether add_texels knows how to read the texture.
 static inline bool is_packed_texture(const rsv_scene_view *scene, const rsv_texture_ref *ref)
 {
     const rsv_texture *t = &scene->texture[ref->texture];
@@ -157,16 +159,24 @@ static inline void look_texture_up(const rsv_scene_view *scene, const rsv_textur
 {
     const rsv_texture *texture = &scene->texture[ref->texture];
     _Alignas(64) float finer[LANES];
+    rsv_float4 sum[LANES];
+    texel_lanes texels[2];
     texture_lanes at;
     find_texture_lanes(scene, ref, triangle, p, width, &at);
-    memset(color, 0, 3 * sizeof *color);
+    memset(sum, 0, sizeof sum);
     for (int k = 0; k < LANES; k++) {
         at.u[k] = wrapped_coordinate(at.u[k], texture->wrap_u);
         at.v[k] = wrapped_coordinate(at.v[k], texture->wrap_v);
         finer[k] = 1 - at.coarser[k];
     }
-    add_level(texture, &at, at.level[0], finer, color);
-    if (any_positive(at.coarser)) add_level(texture, &at, at.level[1], at.coarser, color);
+    bool both = any_positive(at.coarser);
+    find_level(texture, &at, at.level[0], finer, &texels[0]);
+    if (both) find_level(texture, &at, at.level[1], at.coarser, &texels[1]);
+    add_texels(texture, &texels[0], sum);
+    if (both) add_texels(texture, &texels[1], sum);
+    for (int k = 0; k < LANES; k++)
+        for (int c = 0; c < 3; c++)
+            color[c][k] = sum[k][c];
 }
 
 /// The one texture that a material's base color varies by; NULL = several, or of an unusual kind.

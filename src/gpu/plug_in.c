@@ -34,7 +34,7 @@ rsv_status rsv_gpu_open(
     if (strcmp(version, RSV_VERSION_STRING) != 0) {
         snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
             "the plug-in is of version " RSV_VERSION_STRING
-            ", the program of %s; install both anew",
+            ", the program of %s; install both again",
             version);
         return RSV_ERROR_UNSUPPORTED;
     }

@@ -220,7 +220,7 @@ static rsv_status process(const struct aiScene *scene)
     if (faces == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: it holds no triangle or polygon");
     if (!aiApplyPostProcessing(scene, aiProcess_Triangulate))
-        return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: its polygons are no polygons");
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: its polygons are malformed");
     return RSV_OK;
 }
 
@@ -286,8 +286,8 @@ static rsv_status fail_import(const rsv_file_source *files, const char *path, rs
     const char *at = strstr(message, "line ");
     if (at && sscanf(at, "line %u", &line) == 1)
         snprintf(place, sizeof place, "near line %u: ", line);
-    return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s%s; export it anew, or convert it to glTF",
-        place, meaning_of(message));
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "cannot be read: %s%s; export it again, or convert it to glTF", place, meaning_of(message));
 }
 
 rsv_status rsv_assimp_import(rsv_context *context, const rsv_file_source *files, const char *path,

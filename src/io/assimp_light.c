@@ -50,7 +50,8 @@ rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *read
     bool needed = file->mNumLights + file->mNumCameras > 0;
     if (file->mNumLights && facts->watts && reading->light_units == RSV_LIGHT_UNITS_AUTO)
         rsv_log(context, RSV_LOG_INFO, "lights are in watts, as Blender exports them");
-    if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, reading->files, path, &facts->collada);
+    if (kind == RSV_FILE_COLLADA)
+        return rsv_collada_scan(context, reading->files, path, &facts->collada);
     if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
     facts->has_decay = file->mNumLights && rsv_file_mentions(reading->files, path, "DecayType");
     facts->has_fov = file->mNumCameras && rsv_file_mentions(reading->files, path, "FieldOfView");
@@ -81,7 +82,8 @@ static rsv_vec3 transform(const double m[16], struct aiVector3D v, double w)
 static void warn_of_decay(const rsv_context *context, const char *name)
 {
     rsv_log(context, RSV_LOG_WARNING,
-        "light '%s': falls off with the square of the distance here, whatever the file says", name);
+        "light '%s': falls off with the square of the distance; the attenuation in the file is ignored",
+        name);
 }
 
 /// What the colour of a point or spot light is to be multiplied by, W/sr.
@@ -148,8 +150,8 @@ static void become_surface(const rsv_context *context, rsv_punctual_light *light
     light->inner_cone_angle = light->outer_cone_angle = RSV_PI / 2;
     light->exponent = 1;
     rsv_log(context, RSV_LOG_WARNING,
-        "light '%s': an area light (or a volume) whose size the file does not say; it shines from "
-        "a point, with the cosine of a surface",
+        "light '%s': an area or volume light whose size is not in the file; it becomes a point light with the "
+        "cosine falloff of a surface",
         light->name);
 }
 
@@ -230,7 +232,7 @@ static void take_fov(const rsv_context *context, const rsv_assimp_facts *facts,
     } else {
         camera->vertical_fov = USUAL_FOV;
         rsv_log(context, RSV_LOG_WARNING,
-            "camera '%s': its field of view is not usable; 45 degrees are taken", camera->name);
+            "camera '%s': its field of view is not usable; 45 degrees is used", camera->name);
     }
 }
 
@@ -260,6 +262,6 @@ rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts 
     camera->aspect = said(text, RSV_COLLADA_ASPECT) > 0 ? (float)said(text, RSV_COLLADA_ASPECT) : 1;
     camera->vertical_fov = USUAL_FOV;
     rsv_log(context, RSV_LOG_WARNING,
-        "camera '%s': the file does not say its field of view; 45 degrees are taken", name);
+        "camera '%s': its field of view is not in the file; 45 degrees is used", name);
     return RSV_OK;
 }

@@ -120,9 +120,7 @@ static bool describe(const rsv_assimp_textures *t, const struct aiMaterial *sour
     snprintf(name, RSV_PART_PATH_BYTES, "%s", path.data);
     if (mapping != aiTextureMapping_UV || set > 1) {
         rsv_log(t->context, RSV_LOG_WARNING,
-            "texture '%.200s': it is laid on by other coordinates than the first two sets, and "
-            "left "
-            "out",
+            "texture '%.200s': it uses texture coordinates other than the first two sets, and is ignored",
             name);
         return false;
     }

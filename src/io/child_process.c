@@ -97,7 +97,7 @@ static rsv_status collect(
         *count += (size_t)got;
         if (*count > most)
             return rsv_fail(RSV_ERROR_FORMAT,
-                "cannot be read: the importer makes more of it than it can hold; is it damaged?");
+                "cannot be read: reading it takes too much memory; is it damaged?");
     }
 }
 
@@ -109,13 +109,13 @@ static rsv_status judge(int ended, const char *message)
         if (number == SIGINT || number == SIGTERM)
             return rsv_fail(RSV_ERROR_CANCELLED, "cancelled while reading");
         if (number == SIGXCPU || number == SIGKILL)
-            return rsv_fail(RSV_ERROR_FORMAT,
-                "cannot be read: it keeps the importer busy beyond all measure; is it damaged?");
+            return rsv_fail(
+                RSV_ERROR_FORMAT, "cannot be read: reading it takes too long; is it damaged?");
     }
     if (WIFEXITED(ended) && WEXITSTATUS(ended) <= RSV_ERROR_DEVICE && *message)
         return rsv_fail((rsv_status)WEXITSTATUS(ended), "%s", message);
     return rsv_fail(RSV_ERROR_FORMAT,
-        "cannot be read: the importer crashes on it; repair it, or convert it to glTF");
+        "cannot be read: it makes the importer crash; repair it, or convert it to glTF");
 }
 
 static rsv_status work_in_child(

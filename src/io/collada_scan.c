@@ -272,7 +272,7 @@ static void check_unit(const scanner *s, const tag *t)
     rsv_number_value(meter, &end);
     if (end == meter && find(t->rest, t->end, "meter"))
         rsv_log(s->context, RSV_LOG_WARNING,
-            "%s: its <unit> of '%s' is no number of metres; 1 is taken", s->path, meter);
+            "%s: its <unit> of '%s' is not a number of metres; 1 is used", s->path, meter);
 }
 
 /// Likewise what is no axis for y.
@@ -283,7 +283,7 @@ static void check_up_axis(const scanner *s)
     for (size_t k = 0; k < sizeof axes / sizeof *axes; k++)
         if (strncmp(at, axes[k], 4) == 0) return;
     rsv_log(s->context, RSV_LOG_WARNING,
-        "%s: its <up_axis> is none of X_UP, Y_UP and Z_UP; Y_UP is taken", s->path);
+        "%s: its <up_axis> is not X_UP, Y_UP or Z_UP; Y_UP is used", s->path);
 }
 
 /// What collada_clean.c mends before the importer sees it.

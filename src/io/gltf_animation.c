@@ -43,7 +43,7 @@ static rsv_status open_file(rsv_animation *a, const char *path)
     if (status != RSV_OK) return status;
     if (kind != RSV_FILE_GLTF)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "animations are played of glTF files (.gltf, .glb) alone; convert it");
+            "only glTF files (.gltf, .glb) can be animated; convert it to glTF");
     return rsv_gltf_open(a->desc.files, path, &a->document);
 }
 
@@ -120,11 +120,10 @@ cleanup:
 static rsv_status check_moment(const rsv_animation *a, uint32_t clip, double time)
 {
     if (!a->count)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "it holds no animation; load it as it stands");
+        return rsv_fail(RSV_ERROR_ARGUMENT, "it holds no animation; load it without a time");
     if (clip != RSV_NONE && clip >= a->count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "it has no clip %u, but %zu", clip, a->count);
-    if (!isfinite(time))
-        return rsv_fail(RSV_ERROR_ARGUMENT, "%g is no time that can be shown", time);
+    if (!isfinite(time)) return rsv_fail(RSV_ERROR_ARGUMENT, "%g is not a valid time", time);
     return RSV_OK;
 }
 

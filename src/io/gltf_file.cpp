@@ -200,7 +200,7 @@ json parse_json(const unsigned char *text, size_t length)
     while (length && (text[length - 1] == 0 || text[length - 1] == ' '))
         length--; // padding
     if (length >= 2 && (text[0] == 0xff || text[0] == 0xfe || !text[0] || !text[1]))
-        refuse(RSV_ERROR_FORMAT, "its JSON is not in UTF-8, as glTF wants it");
+        refuse(RSV_ERROR_FORMAT, "its JSON is not in UTF-8, as glTF requires");
     check_json_depth(text, length);
     try {
         json root = json::parse(text, text + length);
@@ -298,15 +298,15 @@ void check_version(const json &root)
 void check_required_extensions(const json &root)
 {
     static const char *const known[] = { "EXT_lights_ies", "EXT_mesh_gpu_instancing",
-        "EXT_meshopt_compression",
-        "EXT_texture_webp", "KHR_draco_mesh_compression", "KHR_lights_punctual",
-        "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
-        "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
-        "KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter",
-        "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
-        "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
-        "KHR_materials_volume_scatter", "KHR_mesh_quantization", "KHR_node_visibility",
-        "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp_json_ld" };
+        "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
+        "KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
+        "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
+        "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+        "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter", "KHR_materials_sheen",
+        "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
+        "KHR_materials_variants", "KHR_materials_volume", "KHR_materials_volume_scatter",
+        "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_basisu",
+        "KHR_texture_transform", "KHR_xmp_json_ld" };
     for (const json &entry : list(root, "extensionsRequired")) {
         if (!entry.is_string()) continue; // find_unread() tells
         const std::string name = entry.get<std::string>();
@@ -460,7 +460,7 @@ void read_archive(const uint8_t *archive, size_t count, owned_document &document
     from.is_archive = true;
     while (rsv_gltf_archive_next(archive, count, &at, &part))
         if (part.uri) from.kept[part.uri].assign(part.data, part.data + part.size);
-    if (at != count) refuse(RSV_ERROR_FORMAT, "is cut off or no binary glTF");
+    if (at != count) refuse(RSV_ERROR_FORMAT, "is cut off, or is not binary glTF");
     from.file.assign(archive, archive + count);
     find_chunks(from.file, text, from.binary);
     read_parts(document, from, text);

@@ -125,8 +125,8 @@ static void check_coordinates(
         uint32_t set = material->texture[k].ref.uv_set;
         if (g->uv[set]) continue;
         rsv_log(r->context, RSV_LOG_WARNING,
-            "mesh '%s': material '%s' has textures by TEXCOORD_%u, which the mesh lacks: they are "
-            "of one colour",
+            "mesh '%s': material '%s' has textures that use TEXCOORD_%u, which the mesh lacks: they show a "
+            "single colour",
             owner, material->value.name, set);
         return;
     }
@@ -471,8 +471,7 @@ static rsv_status keep(const rsv_gltf_document *document, const char *path, rsv_
     if (status != RSV_ERROR_UNSUPPORTED)
         return status == RSV_OK ? rsv_scene_set_document(scene, path, bytes, count) : status;
     rsv_log(context, RSV_LOG_WARNING,
-        "with what lies beside it, it exceeds 4 GiB and is not kept: bakes will write a file of "
-        "their own");
+        "with its buffers and images, it exceeds 4 GiB and is not kept: bakes will write a new file");
     return RSV_OK;
 }
 
@@ -530,7 +529,7 @@ static void note_animations(rsv_context *context, size_t count)
 {
     if (count)
         rsv_log(context, RSV_LOG_INFO,
-            "%zu animation%s not played: the scene is shown as its nodes and weights stand", count,
+            "%zu animation%s not played: the scene is shown in its rest pose", count,
             count > 1 ? "s are" : " is");
 }
 

@@ -61,7 +61,7 @@ static rsv_status add_texture(
     if (texture->ktx < 0) return add_image(loader, texture, texture->image, use, id);
     rsv_status status = add_image(loader, texture, texture->ktx, use, id);
     if (status == RSV_OK || status == RSV_ERROR_MEMORY || texture->image < 0) return status;
-    rsv_log(loader->context, RSV_LOG_INFO, "%s; the picture for readers without KTX2 is used",
+    rsv_log(loader->context, RSV_LOG_INFO, "%s; the fallback picture is used instead",
         rsv_last_error());
     return add_image(loader, texture, texture->image, use, id);
 }

@@ -617,12 +617,11 @@ static void say_left_out(const writer *w, const char *path)
 {
     if (w->view->fog)
         rsv_log(w->context, RSV_LOG_WARNING,
-            "%s: the scene's fog is not written, glTF has no place for it; give it anew (--fog)",
+            "%s: the scene's fog is not written, glTF cannot store it; specify it again with --fog",
             path);
     if (w->view->environment)
         rsv_log(w->context, RSV_LOG_WARNING,
-            "%s: the scene's environment is not written, glTF has no place for it; give it anew "
-            "(--env)",
+            "%s: the scene's environment is not written, glTF cannot store it; specify it again with --env",
             path);
 }
 

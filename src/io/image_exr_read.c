@@ -93,7 +93,7 @@ static void warn_of_losses(const reader *in)
     for (int k = 0; k < 6; k++) {
         if (fabsf(given[k] - usual[k]) <= 0.02f) continue;
         rsv_log(in->context, RSV_LOG_WARNING,
-            "'%s': its chromaticities are not used; its colours are taken for those of sRGB", path);
+            "'%s': its chromaticities are ignored; its colours are assumed to be sRGB", path);
         return;
     }
 }
@@ -165,7 +165,7 @@ static bool takes_red_for_grey(reader *in)
         in->layers[0] = *layer;
         in->layer_count = 1;
         rsv_log(in->context, RSV_LOG_WARNING,
-            "'%s': it has R and neither G nor B; R is taken for grey", in->stream.input->path);
+            "'%s': it has R and neither G nor B; R is used as grey", in->stream.input->path);
         return true;
     }
     return false;

@@ -245,7 +245,7 @@ rsv_status rsv_image_decode_hdr(rsv_context *context, const rsv_image_file *file
     }
     if (h.foreign_primaries)
         rsv_log(context, RSV_LOG_WARNING,
-            "picture '%s': its PRIMARIES are not used; its colours are taken for those of sRGB",
+            "picture '%s': its PRIMARIES are ignored; its colours are assumed to be sRGB",
             file->path);
     *image = decoded;
     decoded = NULL;

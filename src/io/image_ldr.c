@@ -132,7 +132,7 @@ static void warn_of_unused(rsv_context *context, const rsv_image_file *file)
     const char *colors = rsv_image_png_unused(file, &frames);
     if (colors)
         rsv_log(context, RSV_LOG_WARNING,
-            "picture '%s': not used: its %s; its codes are taken for those of sRGB", file->path,
+            "picture '%s': not used: its %s; its values are assumed to be sRGB", file->path,
             colors);
     if (frames)
         rsv_log(context, RSV_LOG_WARNING, "picture '%s': only the first of its frames is used",

@@ -356,8 +356,8 @@ void rsv_obj_warn_of_unknown(const rsv_context *context, const char *path,
     }
     if (count)
         rsv_log(context, RSV_LOG_WARNING,
-            "%s: uses materials that no library of it defines: %s%s; they are grey", path, list,
-            count > MOST_WORDS ? ", ..." : "");
+            "%s: uses materials that none of its libraries defines: %s%s; they are grey", path,
+            list, count > MOST_WORDS ? ", ..." : "");
 }
 
 // ---- what is wrong ----------------------------------------------------------------------------------

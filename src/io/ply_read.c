@@ -115,9 +115,9 @@ static rsv_status read_property(ply_reader *r, const rsv_ply_property *p, double
     int64_t count = 1, corner = 0;
     double value;
     if (p->count_type)
-        RSV_TRY(read_whole_number(
-            r, p->count_type, 1e9, "the length of a list is not possible", &count));
-    if (count < 0) RSV_TRY(fail_at(r, "the length of a list is not possible"));
+        RSV_TRY(
+            read_whole_number(r, p->count_type, 1e9, "the length of a list is invalid", &count));
+    if (count < 0) RSV_TRY(fail_at(r, "the length of a list is invalid"));
     if (p->role == RSV_PLY_INDICES) {
         if (count > MOST_CORNERS) RSV_TRY(fail_at(r, "a polygon has more than a million corners"));
         RSV_TRY(rsv_grow(r->context, (void **)&r->corner, &r->corner_capacity, (size_t)count + 1,
@@ -131,7 +131,7 @@ static rsv_status read_property(ply_reader *r, const rsv_ply_property *p, double
             continue;
         }
         RSV_TRY(read_whole_number(
-            r, p->type, UINT32_MAX, "a corner is no number of a vertex", &corner));
+            r, p->type, UINT32_MAX, "a corner is not a valid vertex number", &corner));
         r->corner[k] = corner;
     }
 cleanup:
@@ -219,7 +219,7 @@ static rsv_status add_polygon(ply_reader *r)
         return RSV_OK;
     }
     for (size_t k = 0; k < count; k++) {
-        if (r->corner[k] < 0) return fail_at(r, "a corner is no number of a vertex");
+        if (r->corner[k] < 0) return fail_at(r, "a corner is not a valid vertex number");
         known = known && (size_t)r->corner[k] < r->vertex_count;
     }
     if (count == 3) return add_triangle(r, 0, 1, 2);

@@ -67,11 +67,11 @@ rsv_status rsv_find_file_kind(const rsv_file_source *source, const char *path, r
 static rsv_status check_desc(const rsv_load_desc *desc)
 {
     if (!(desc->metres_per_unit > 0) || !isfinite(desc->metres_per_unit))
-        return rsv_fail(RSV_ERROR_ARGUMENT, "%g metres per unit are not possible",
-            (double)desc->metres_per_unit);
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "%g metres per unit is not valid", (double)desc->metres_per_unit);
     if (!(desc->crease_angle >= 0))
         return rsv_fail(
-            RSV_ERROR_ARGUMENT, "a crease angle of %g is not possible", (double)desc->crease_angle);
+            RSV_ERROR_ARGUMENT, "a crease angle of %g is not valid", (double)desc->crease_angle);
     if ((unsigned)desc->light_units > RSV_LIGHT_UNITS_PHOTOMETRIC)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "units of light %d do not exist", (int)desc->light_units);

@@ -121,7 +121,7 @@ typedef struct parcel {
 static rsv_status fail_astray(void)
 {
     return rsv_fail(RSV_ERROR_FORMAT,
-        "cannot be read: the importer goes astray on it; repair it, or convert it to glTF");
+        "cannot be read: it makes the importer fail; repair it, or convert it to glTF");
 }
 
 /// The next bytes. @return NULL if there are fewer

@@ -98,7 +98,7 @@ static rsv_status count_records(const stl_reader *r, size_t *count)
 {
     if (r->size < TABLE_START)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "cannot be read: %zu bytes are no STL file, neither text that begins with 'solid' nor "
+            "cannot be read: %zu bytes are not an STL file: neither text that begins with 'solid' nor "
             "a binary head of 84 bytes",
             r->size);
     size_t held = (r->size - TABLE_START) / RECORD_BYTES;
@@ -107,8 +107,7 @@ static rsv_status count_records(const stl_reader *r, size_t *count)
     if ((said == 0 || said == UINT32_MAX) && held > 0) *count = held;
     if (*count > held)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "cannot be read: it announces %zu triangles, but holds %zu: the file is cut off, or "
-            "no STL file",
+            "cannot be read: it announces %zu triangles, but holds %zu: the file is cut off, or not an STL file",
             *count, held);
     size_t rest = r->size - TABLE_START - *count * RECORD_BYTES;
     if (rest)

@@ -135,7 +135,7 @@ rsv_status rsv_luminaire_parse(rsv_context *context, const char *name, const cha
 {
     *luminaire = (rsv_luminaire){ 0 };
     if (bytes > MOST_BYTES || (bytes && memchr(text, 0, bytes)))
-        return rsv_fail(RSV_ERROR_FORMAT, "%s: is not a luminaire: it is no text", name);
+        return rsv_fail(RSV_ERROR_FORMAT, "%s: is not a luminaire: it is not text", name);
     char *content = rsv_alloc(context, bytes + 1, 1);
     if (!content) return RSV_ERROR_MEMORY;
     if (bytes) memcpy(content, text, bytes);

@@ -225,7 +225,7 @@ RSV_API rsv_status rsv_mpi_join(const char *version, rsv_team **team, char *mess
     if (strcmp(version, RSV_VERSION_STRING) != 0) {
         snprintf(message, RSV_MESSAGE_BYTES,
             "the plug-in for MPI and PETSc is of version " RSV_VERSION_STRING
-            ", the program of version %s; install both anew",
+            ", the program of version %s; install both again",
             version);
         return RSV_ERROR_UNSUPPORTED;
     }

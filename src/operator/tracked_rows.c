@@ -373,7 +373,8 @@ static rsv_status create_empty(
     rsv_context *context = d->elements->context;
     rsv_status status;
     if (rsv_team_place_of(context).size > 1 || d->rays > MOST_RAYS)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "light follows moving objects in one process alone");
+        return rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "light can follow moving objects only in a single process");
     tracked_rows *t = rsv_alloc(context, 1, sizeof *t);
     RSV_TRY(t ? RSV_OK : RSV_ERROR_MEMORY);
     t->transport.table = &tracked_rows_table;

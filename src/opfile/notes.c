@@ -14,8 +14,8 @@ static rsv_status fail_memory(const rsv_tensor_file *file)
 
 static rsv_status fail_note(const rsv_tensor_file *file, const char *note)
 {
-    return rsv_fail(
-        RSV_ERROR_FORMAT, "%s: note '%s' is missing or unusable; solve anew", file->path, note);
+    return rsv_fail(RSV_ERROR_FORMAT, "%s: note '%s' is missing or unusable; solve the scene again",
+        file->path, note);
 }
 
 static double number_of(const rsv_field *field, const void *place)

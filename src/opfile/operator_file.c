@@ -117,14 +117,15 @@ static rsv_status check_provenance(const rsv_tensor_file *file)
     const char *text = rsv_note_get(file, "format_version");
     if (!format || strcmp(format, FORMAT_NAME) != 0 || !text)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: it is a safetensors file, but no operator; `resolvent solve` writes those",
+            "%s: it is a safetensors file, but not an operator file; `resolvent solve` writes those",
             file->path);
     long version = strtol(text, NULL, 10);
     if (version == FORMAT_VERSION) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
         "%s: its format version is %.16s, this program reads version %d: %s", file->path, text,
         FORMAT_VERSION,
-        version > FORMAT_VERSION ? "use a newer Resolvent or solve anew" : "solve anew");
+        version > FORMAT_VERSION ? "use a newer Resolvent or solve the scene again"
+                                 : "solve the scene again");
 }
 
 /// Messages of other rooms do not know of the file.
@@ -135,7 +136,8 @@ static rsv_status name_file(const char *path, rsv_status status)
     if (status != RSV_ERROR_FORMAT && status != RSV_ERROR_ARGUMENT) return status;
     snprintf(message, sizeof message, "%s", rsv_last_error());
     if (strncmp(message, path, length) == 0) return status;
-    return rsv_fail(RSV_ERROR_FORMAT, "%s: %s; the file was changed, solve anew", path, message);
+    return rsv_fail(
+        RSV_ERROR_FORMAT, "%s: %s; the file was changed, solve the scene again", path, message);
 }
 
 /// @param digits out: the checksum
@@ -187,7 +189,7 @@ rsv_status rsv_operator_compare(rsv_context *context, const char *path)
     RSV_TRY(compare_programs(context));
     if (!rsv_is_operator_file(path))
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT,
-            "%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes one",
+            "%s: it is not an operator file; `resolvent solve SCENE -o FILE.safetensors` writes one",
             path));
     RSV_TRY(rsv_tensor_file_open(context, path, &file));
     RSV_TRY(check_provenance(&file));

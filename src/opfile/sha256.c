@@ -1,7 +1,13 @@
 #include "sha256.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+#include <immintrin.h>
+#define HAS_INSTRUCTIONS 1
+#endif
 
 /// Fractions of the cube roots of the first 64 primes.
 static const uint32_t round_constant[64] = { 0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5,
@@ -49,11 +55,84 @@ static void compress(uint32_t *state, const uint8_t *block)
         state[k] += s[k];
 }
 
-rsv_sha256 rsv_sha256_begin(void)
+// ---- instructions for it ------------------------------------------------------------------------
+
+#if defined(HAS_INSTRUCTIONS)
+
+static bool has_instructions(void)
+{
+    unsigned a, b, c, d;
+    if (!__builtin_cpu_supports("sse4.1") || !__get_cpuid_count(7, 0, &a, &b, &c, &d)) return false;
+    return b >> 29 & 1;
+}
+
+/// Four rounds. @param state A, B, E, F and C, D, G, H, from the highest word down
+__attribute__((target("sha,sse4.1"))) static inline void round_four(
+    __m128i state[2], __m128i word, const uint32_t *constant)
+{
+    __m128i sum = _mm_add_epi32(word, _mm_loadu_si128((const __m128i *)constant));
+    state[1] = _mm_sha256rnds2_epu32(state[1], state[0], sum);
+    state[0] = _mm_sha256rnds2_epu32(state[0], state[1], _mm_shuffle_epi32(sum, 0x0e));
+}
+
+/// The next four words. @param word the 16 before, in and out
+__attribute__((target("sha,sse4.1"))) static inline void expand_four(__m128i word[4])
+{
+    __m128i sum = _mm_sha256msg1_epu32(word[0], word[1]);
+    sum = _mm_add_epi32(sum, _mm_alignr_epi8(word[3], word[2], 4));
+    sum = _mm_sha256msg2_epu32(sum, word[3]);
+    word[0] = word[1], word[1] = word[2], word[2] = word[3], word[3] = sum;
+}
+
+__attribute__((target("sha,sse4.1"))) static void compress_by_instructions(
+    uint32_t *state, const uint8_t *block)
+{
+    const __m128i swap = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
+    __m128i abcd = _mm_shuffle_epi32(_mm_loadu_si128((const __m128i *)state), 0xb1);
+    __m128i efgh = _mm_shuffle_epi32(_mm_loadu_si128((const __m128i *)(state + 4)), 0x1b);
+    __m128i word[4], s[2] = { _mm_alignr_epi8(abcd, efgh, 8), _mm_blend_epi16(efgh, abcd, 0xf0) };
+    const __m128i before[2] = { s[0], s[1] };
+    for (int k = 0; k < 4; k++) {
+        word[k] = _mm_loadu_si128((const __m128i *)(block + 16 * k));
+        word[k] = _mm_shuffle_epi8(word[k], swap);
+        round_four(s, word[k], round_constant + 4 * k);
+    }
+    for (int t = 16; t < 64; t += 4) {
+        expand_four(word);
+        round_four(s, word[3], round_constant + t);
+    }
+    abcd = _mm_shuffle_epi32(_mm_add_epi32(s[0], before[0]), 0x1b);
+    efgh = _mm_shuffle_epi32(_mm_add_epi32(s[1], before[1]), 0xb1);
+    _mm_storeu_si128((__m128i *)state, _mm_blend_epi16(abcd, efgh, 0xf0));
+    _mm_storeu_si128((__m128i *)(state + 4), _mm_alignr_epi8(efgh, abcd, 8));
+}
+
+#else
+
+static bool has_instructions(void) { return false; }
+
+static void compress_by_instructions(uint32_t *state, const uint8_t *block)
+{
+    compress(state, block);
+}
+
+#endif
+
+// ---- all of it ----------------------------------------------------------------------------------
+
+rsv_sha256 rsv_sha256_begin_portable(void)
 {
     // fractions of the square roots of the first 8 primes
     return (rsv_sha256){ .state = { 0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f,
-                             0x9b05688c, 0x1f83d9ab, 0x5be0cd19 } };
+                             0x9b05688c, 0x1f83d9ab, 0x5be0cd19 },
+        .compress = compress };
+}
+
+rsv_sha256 rsv_sha256_begin(void)
+{
+    rsv_sha256 hash = rsv_sha256_begin_portable();
+    if (has_instructions()) hash.compress = compress_by_instructions;
+    return hash;
 }
 
 void rsv_sha256_add(rsv_sha256 *hash, const void *data, size_t bytes)
@@ -62,10 +141,10 @@ void rsv_sha256_add(rsv_sha256 *hash, const void *data, size_t bytes)
     while (bytes > 0) {
         size_t used = hash->byte_count % 64, part = 64 - used < bytes ? 64 - used : bytes;
         if (used == 0 && part == 64) {
-            compress(hash->state, next);
+            hash->compress(hash->state, next);
         } else {
             memcpy(hash->block + used, next, part);
-            if (used + part == 64) compress(hash->state, hash->block);
+            if (used + part == 64) hash->compress(hash->state, hash->block);
         }
         hash->byte_count += part;
         next += part;

@@ -373,7 +373,7 @@ static rsv_status check_report(const rsv_tensor_file *file, const parts *p)
     return sound ? RSV_OK
                  : rsv_fail(RSV_ERROR_FORMAT,
                        "%s: note 'report' or 'solve' names no known solver "
-                       "or reason to stop; solve anew",
+                       "or reason to stop; solve the scene again",
                        file->path);
 }
 

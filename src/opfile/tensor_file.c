@@ -61,8 +61,8 @@ rsv_status rsv_tensor_fail(const rsv_tensor_file *file, const char *name, const 
     va_start(arguments, format);
     vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    return rsv_fail(
-        RSV_ERROR_FORMAT, "%s: tensor '%s%s' %s; solve anew", file->path, file->prefix, name, what);
+    return rsv_fail(RSV_ERROR_FORMAT, "%s: tensor '%s%s' %s; solve the scene again", file->path,
+        file->prefix, name, what);
 }
 
 const rsv_tensor *rsv_tensor_find(const rsv_tensor_file *file, const char *name)

@@ -23,8 +23,8 @@ static rsv_status map_file(rsv_tensor_file *file)
         goto cleanup;
     }
     if (!S_ISREG(info.st_mode) || info.st_size < LENGTH_BYTES) {
-        status = rsv_fail(
-            RSV_ERROR_FORMAT, "%s: it is too short to be an operator file; solve anew", file->path);
+        status = rsv_fail(RSV_ERROR_FORMAT,
+            "%s: it is too short to be an operator file; solve the scene again", file->path);
         goto cleanup;
     }
     void *map = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, descriptor, 0);
@@ -92,8 +92,8 @@ static rsv_status add_tensor(rsv_tensor_file *file, const cJSON *entry, const ui
     if (!sound || begin > end || end > data_bytes || begin % size != 0 ||
         end - begin != rsv_tensor_length(&tensor) * size)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: the header says nothing sound of tensor '%.80s' (type, shape or place): the file "
-            "is cut off or no operator; `resolvent solve` writes those",
+            "%s: the header describes tensor '%.80s' wrongly (type, shape or position): the file is cut off or "
+            "not an operator file; `resolvent solve` writes those",
             file->path, entry->string);
     *covered += end - begin;
     tensor.data = data + begin;
@@ -120,7 +120,7 @@ static rsv_status read_entries(
     if (covered != data_bytes)
         return rsv_fail(RSV_ERROR_FORMAT,
             "%s: its tensors hold %llu bytes, but %llu follow the header: the file is cut off or "
-            "foreign; solve anew",
+            "foreign; solve the scene again",
             file->path, (unsigned long long)covered, (unsigned long long)data_bytes);
     return RSV_OK;
 }
@@ -132,8 +132,8 @@ static rsv_status read_header(rsv_tensor_file *file)
         length |= (uint64_t)file->map[k] << 8 * k;
     if (length > available || length > LARGEST_HEADER)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: a header of %llu bytes in a file of %zu: it is cut off or no operator file; solve "
-            "anew",
+            "%s: a header of %llu bytes in a file of %zu: it is cut off or not an operator file; solve the "
+            "scene again",
             file->path, (unsigned long long)length, file->map_bytes);
     const char *text = (const char *)file->map + LENGTH_BYTES;
     cJSON *root = cJSON_ParseWithLength(text, length);
@@ -182,7 +182,8 @@ rsv_status rsv_tensor_file_verify(const rsv_tensor_file *file)
         stated && strlen(stated) == RSV_SHA256_DIGITS ? find_digits(file, stated) : NULL;
     if (!place)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: it lacks its checksum (note '" RSV_CHECKSUM_NOTE "'); solve anew", file->path);
+            "%s: it lacks its checksum (note '" RSV_CHECKSUM_NOTE "'); solve the scene again",
+            file->path);
     memset(zeros, '0', sizeof zeros);
     rsv_sha256 hash = rsv_sha256_begin();
     rsv_sha256_add(&hash, file->map, (size_t)(place - file->map));
@@ -192,6 +193,6 @@ rsv_status rsv_tensor_file_verify(const rsv_tensor_file *file)
     rsv_sha256_end(&hash, found);
     if (strcmp(stated, found) == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_FORMAT,
-        "%s: its checksum does not fit its content: it was damaged or changed; solve anew",
+        "%s: its checksum does not fit its content: it was damaged or changed; solve the scene again",
         file->path);
 }

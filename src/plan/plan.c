@@ -289,8 +289,8 @@ static void say_what_is_missing(const rsv_planner *p)
 {
     double elements = known_elements_error(p);
     rsv_log(p->context, RSV_LOG_WARNING,
-        "plan: a relative error of %.2g %% is out of reach: about %.2g %% is what comes out, %.2g "
-        "%% by elements and %.2g %% by samples; ask for more than that, or for --quality high",
+        "plan: a relative error of %.2g %% cannot be reached: about %.2g %% is likely, %.2g %% due to elements "
+        "and %.2g %% due to samples; request more than that, or use --quality high",
         100 * sqrt(p->wanted), 100 * sqrt(elements + p->plan.noise), 100 * sqrt(elements),
         100 * sqrt(p->plan.noise));
 }

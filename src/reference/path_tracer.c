@@ -33,9 +33,8 @@ static void warn_of_unreachable_caustics(const rsv_path_tracer *tracer)
     for (size_t i = 0; i < tracer->scene->material_count; i++) {
         if (!mirrors(&tracer->bsdf[i])) continue;
         rsv_log(tracer->context, RSV_LOG_WARNING,
-            "material '%s': the reference leaves out what it mirrors or focuses of punctual "
-            "lights; use "
-            "an emissive surface to include that",
+            "material '%s': mode reference leaves out its reflections and caustics of punctual lights; use an "
+            "emissive surface to include them",
             tracer->scene->material[i].name);
         return;
     }

@@ -87,15 +87,14 @@ static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_s
         (source->kind == RSV_SOURCE_LIGHT &&
             rsv_punctual_is_distant(&home->scene->light[source->index])))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "relight: light '%s' comes from infinitely far away: there is nothing to move",
-            source->name);
+            "relight: light '%s' is infinitely far away and cannot be moved", source->name);
     if (source->kind == RSV_SOURCE_MATERIAL &&
         (rsv_is_gathered(home->lights, source->index) ||
             rsv_emission_share(home->lights, source->index) > RSV_MOVABLE_SHARE))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "relight: lamp '%s' fills much of the view, and what it hides is part of the operator; "
             "move it in the "
-            "scene and solve anew",
+            "scene and solve the scene again",
             source->name);
     return RSV_OK;
 }
@@ -200,8 +199,7 @@ static rsv_status read_albedo(
                  material->diffuse_transmission == 0 && !rsv_material_scatters_below(material);
     if (!plain)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "relight: the colour of material '%s' is part of the operator (metal, glass, ...); "
-            "solve anew",
+            "relight: the colour of material '%s' is part of the operator (metal, glass, ...); solve the scene again",
             change->material);
     wanted->base_color[m] = c;
     return RSV_OK;
@@ -225,7 +223,7 @@ static rsv_status read_turn(
 {
     if (!desc->turn) return RSV_OK;
     if (!scene->environment.pixels)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there are no surroundings to turn");
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there is no environment to rotate");
     if (!isfinite(desc->rotation))
         return rsv_fail(RSV_ERROR_ARGUMENT, "relight: the rotation must be finite");
     wanted->rotation = desc->rotation;

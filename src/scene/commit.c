@@ -172,7 +172,8 @@ rsv_status rsv_scene_require_committed(const rsv_scene *scene)
 rsv_status rsv_scene_commit(rsv_scene *scene)
 {
     if (scene->commit_tried)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: it was committed already, or failed to");
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "scene: it has been committed already, or its commit failed");
     scene->commit_tried = true;
     rsv_status status = rsv_scene_take_origin(scene);
     if (status == RSV_OK) status = rsv_scene_flatten(scene);

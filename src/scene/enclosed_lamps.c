@@ -191,8 +191,8 @@ static void warn(const search *s, const rsv_context *context, const char *kind, 
 {
     if ((*count)++ >= MOST_NAMED) return;
     rsv_log(context, RSV_LOG_WARNING,
-        "%s '%s': the opaque object '%s' is closed around it and keeps all of its light; give that "
-        "a transparent material (KHR_materials_transmission), open it, or delete it",
+        "%s '%s': the opaque object '%s' encloses it and blocks all of its light; give that object a "
+        "transparent material (KHR_materials_transmission), open it, or delete it",
         kind, name, s->view->object_name[s->object]);
 }
 
@@ -255,7 +255,7 @@ void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tre
     look_around_lights(&s, scene->context, &count, &found);
     look_into_objects(&s, scene->context, &count, &found);
     if (count > MOST_NAMED)
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "%u more lamps have something opaque closed around them", count - MOST_NAMED);
+        rsv_log(scene->context, RSV_LOG_WARNING, "%u more lamps are enclosed by something opaque",
+            count - MOST_NAMED);
     if (count == 0) look_for_darkness(&s, scene->context);
 }

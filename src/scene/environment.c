@@ -94,8 +94,7 @@ static void warn_of_repairs(
             name, count->missing, pixels);
     if (count->too_bright)
         rsv_log(context, RSV_LOG_WARNING,
-            "environment '%s': %zu of %zu pixels are brighter than %g W/(sr m2), the most that is "
-            "reckoned with; they count as that",
+            "environment '%s': %zu of %zu pixels are brighter than %g W/(sr m2), the maximum; they count as that",
             name, count->too_bright, pixels, (double)LARGEST_RADIANCE);
 }
 

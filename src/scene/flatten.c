@@ -279,8 +279,8 @@ static void report_coarse(const flattener *f)
         scene->origin[2] != 0)
         return;
     rsv_log(scene->context, RSV_LOG_WARNING,
-        "%zu object%s (first: '%s', %.3g m from the origin) too far away for single precision, "
-        "which tells places there apart by %.2g m: its shape suffers; place it nearer",
+        "%zu object%s (first: '%s', %.3g m from the origin) too far away for single precision, which resolves "
+        "%.2g m there: its shape suffers; move it closer to the origin",
         f->coarse_count, f->coarse_count > 1 ? "s lie" : " lies", f->coarse, f->coarse_reach,
         FLT_EPSILON * f->coarse_reach / 2);
 }

@@ -158,8 +158,5 @@ rsv_status rsv_scene_refuse_endless_fog(const rsv_scene *scene, const char *what
 rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what)
 {
     if (!scene->view.fog) return RSV_OK;
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "fog: %s so far leaves media out of account, unlike render, probe and certify; leave out "
-        "the fog",
-        what);
+    return rsv_fail(RSV_ERROR_UNSUPPORTED, "fog: %s does not support fog; leave it out", what);
 }

@@ -50,8 +50,8 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material)
         if (changed)
             rsv_log(context, RSV_LOG_WARNING,
                 "material '%s': %s was outside its range and is clamped%s", material->name, f->name,
-                returns_light ? ": a surface that returns more light than it receives has no "
-                                "bounded answer"
-                              : "");
+                returns_light
+                    ? ": a surface that returns more light than it receives has no bounded solution"
+                    : "");
     }
 }

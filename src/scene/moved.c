@@ -150,7 +150,7 @@ static bool is_same_material(const rsv_material *a, const rsv_material *b)
 static rsv_status refuse(const char *what)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "scene: this version has other %s: a light follows moved surfaces alone; solve it anew",
+        "scene: this version has other %s: a light follows moved surfaces alone; solve it again",
         what);
 }
 

@@ -207,8 +207,8 @@ static void warn_of_strays(
     if (!count) return;
     double distance = fmax(place->distance, 0.5 * size_of(far));
     rsv_log(scene->context, RSV_LOG_WARNING,
-        "object '%s'%s %.3g m away from the rest of the scene, where places are known to %.2g m: "
-        "delete what is not wanted",
+        "object '%s'%s %.3g m away from the rest of the scene, where positions are accurate to %.2g m: delete "
+        "what you do not need",
         place->name, count > 1 ? " and others lie" : " lies", distance, SPACING * distance);
 }
 

@@ -152,7 +152,7 @@ static rsv_status create_blank(
     if (floats)
         texture->value = rsv_alloc(context, count, sizeof *texture->value);
     else
-        texture->unorm = rsv_alloc(context, count, sizeof *texture->unorm);
+        texture->unorm = rsv_alloc(context, count + 1, sizeof *texture->unorm);
     if (texture->name && (texture->unorm || texture->value)) return RSV_OK;
     rsv_texture_release(context, texture);
     return RSV_ERROR_MEMORY;

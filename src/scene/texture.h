@@ -21,8 +21,10 @@ typedef struct rsv_texture {
     char *name;
     uint32_t channel_count, level_count;
     rsv_texture_level level[RSV_TEXTURE_MAX_LEVELS];
-    uint16_t *unorm; ///< [texels of all levels * channel_count] 0..65535 for 0..1, linear; or
-    float *value;    ///< the same as floats; the other is NULL
+    uint16_t
+        *unorm;   ///< [texels of all levels * channel_count + 1] 0..65535 for 0..1, linear, and one
+                  ///< code more, so that three can be read as four; or
+    float *value; ///< the same as floats; the other is NULL
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
     bool covers; ///< alpha weighs colours, on the coarser levels and between texels

@@ -416,7 +416,7 @@ static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
     uint32_t shown = look_at(view, guessed, false).other;
     rsv_log(scene->context, RSV_LOG_WARNING,
         "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
-        "face the same way; the latter are shown, which is a guess: delete what is not wanted",
+        "face the same way; the latter are shown, which may be wrong: delete one of them",
         object_of(view, guessed), object_of(view, shown), material_of(view, guessed),
         material_of(view, shown));
 }

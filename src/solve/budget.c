@@ -93,8 +93,8 @@ rsv_status rsv_budget_refuse(const rsv_builder *b, size_t least)
     size_t rows = rsv_builder_rows(b);
     if (b->desc.max_elements && (least > b->desc.max_elements || b->desc.max_bytes == 0))
         return rsv_fail(RSV_ERROR_MEMORY,
-            "solve: a budget of %zu elements is too small: the surfaces of this scene take %zu at "
-            "the least; allow as many",
+            "solve: a budget of %zu elements is too small: the surfaces of this scene need at least %zu; allow "
+            "that many",
             b->desc.max_elements, least);
     return rsv_fail(RSV_ERROR_MEMORY,
         "solve: a memory budget of %.0f MiB is too small: %zu rows of %u rays and their elements "
@@ -112,7 +112,7 @@ void rsv_budget_report(const rsv_builder *b, float wanted)
     bool coarser = b->elements->spacing > 1.001f * wanted;
     if (!coarser && b->desc.rays_per_element == b->wanted_rays) return;
     rsv_log(b->context, RSV_LOG_WARNING,
-        "solve: coarser than asked for, to keep the budget: %zu elements %.3g m apart instead of "
+        "solve: coarser than requested, to stay within the budget: %zu elements %.3g m apart instead of "
         "%.3g m, rows of %u rays instead of %u",
         rsv_budget_elements(b), b->elements->spacing, wanted, b->desc.rays_per_element,
         b->wanted_rays);

@@ -384,8 +384,8 @@ static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
     if (desc->goal_camera == RSV_NONE)
         return rsv_check_probes(desc->goal_points, desc->goal_point_count);
     if (desc->goal_point_count > 0)
-        return rsv_fail(RSV_ERROR_ARGUMENT,
-            "solve: goal_camera and goal_points are both given; one goal is all there can be");
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "solve: goal_camera and goal_points are both given; choose one");
     if (desc->goal_camera >= cameras)
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: goal_camera is %u; the scene has %zu cameras",
             desc->goal_camera, cameras);

@@ -188,7 +188,7 @@ void rsv_light_warn_if_unbounded(const rsv_light *s)
     else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_RADIUS &&
              report->spectral_radius > WORRYING_RADIUS)
         rsv_log(s->context, RSV_LOG_WARNING,
-            "solve: the scene absorbs almost nothing (spectral radius %.4f): small errors of the "
-            "operator weigh heavily; use a higher quality or lower the albedos",
+            "solve: the scene absorbs almost nothing (spectral radius %.4f): small errors of the operator have "
+            "large effects; use a higher quality or lower the albedos",
             report->spectral_radius);
 }

@@ -325,10 +325,10 @@ static void fill_report(const motion *m, double seconds, rsv_update_report *repo
 static rsv_status check(const rsv_light *s)
 {
     if (rsv_team_place_of(s->context).size > 1)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "light follows moving objects in one process alone");
-    if (rsv_context_device(s->context))
         return rsv_fail(
-            RSV_ERROR_UNSUPPORTED, "light follows moving objects on the processor alone");
+            RSV_ERROR_UNSUPPORTED, "light can follow moving objects only in a single process");
+    if (rsv_context_device(s->context))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "light can follow moving objects only on the CPU");
     if (!s->field.irradiance || !s->field.indirect)
         return rsv_fail(RSV_ERROR_ARGUMENT, "light: it is not solved yet, and cannot follow");
     return RSV_OK;

@@ -47,7 +47,7 @@ void rsv_warn_of_backs(const rsv_tracer *tracer, const rsv_camera *camera)
     const rsv_seen_backs seen = rsv_look_for_backs(tracer, camera);
     if (seen.share <= LARGEST_SHARE) return;
     rsv_log(rsv_scene_get_context(scene), RSV_LOG_WARNING,
-        "%.0f %% of what the camera sees are single-sided surfaces from behind, which are black "
-        "('%s' above all): flipped normals? --two-sided shows them",
+        "%.0f %% of the picture shows single-sided surfaces from behind, which are black (mostly '%s'): flipped "
+        "normals? --two-sided shows them",
         100 * seen.share, rsv_scene_get_view(scene)->material[seen.material].name);
 }

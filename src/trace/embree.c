@@ -108,7 +108,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
     tracer->device = rtcNewDevice(settings);
     if (!tracer->device) {
-        status = rsv_fail(RSV_ERROR_UNSUPPORTED, "ray tracing: Embree finds no usable processor");
+        status = rsv_fail(RSV_ERROR_UNSUPPORTED, "ray tracing: Embree finds no usable CPU");
         goto cleanup;
     }
     rtcSetDeviceErrorFunction(tracer->device, record_device_error, NULL);

@@ -155,6 +155,6 @@ void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *light
     if (why)
         rsv_log(lights->context, RSV_LOG_WARNING,
             "%s: cannot keep in '%s' what this solution knew: %s; after an edit of the scene "
-            "everything will be solved anew",
+            "everything will be solved again",
             store->kind, store->place, strerror(why));
 }

@@ -73,8 +73,7 @@ rsv_status rsv_row_store_outcome(const rsv_row_store *c)
 {
     if (!c || c->error == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_IO,
-        "%s: cannot write '%s/%s': %s; with that mended, the same command goes on with the rows "
-        "that are there",
+        "%s: cannot write '%s/%s': %s; once that is fixed, the same command continues with the saved rows",
         c->store->kind, c->store->place, c->name, strerror(c->error));
 }
 

@@ -144,7 +144,7 @@ done
 for odd in '--to vertex --directional:lightmap' '--to lightmap --unlit:vertex' '--to probes --map-size 64:lightmap' '--to vertex --spacing 1:probes'; do
     refuses 2 "does nothing without --to ${odd##*:}" bake two-rooms -o "$out/a.glb" ${odd%:*}
 done
-refuses 1 'no surroundings to be turned' bake two-rooms -o "$out/a.glb" --to lightmap --basis --env-turns 4
+refuses 1 'no environment to rotate' bake two-rooms -o "$out/a.glb" --to lightmap --basis --env-turns 4
 for key in elements residual_inf warnings peak_rss_bytes; do
     grep -q "\"$key\"" map.json || complain "the statistics lack $key"
 done
@@ -394,8 +394,8 @@ print(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "node
     "bufferViews": [{"buffer": 0, "byteLength": 36}],
     "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + corners}]}))
 TEXT
-refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to vertex --quality draft
-refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to lightmap --quality draft
+refuses 1 'no surface reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to vertex --quality draft
+refuses 1 'no surface reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to lightmap --quality draft
 succeeds bake "$here/../fuzz/seeds/packed.gltf" -o unpacked.glb --to vertex --quality draft
 grep -qa KHR_draco unpacked.glb && complain "a packed mesh stayed packed"
 succeeds render unpacked.glb -o unpacked.png --size 16x16 --quality draft

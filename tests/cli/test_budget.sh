@@ -9,7 +9,7 @@ value() { sed -n "s/^.*\"$1\":[[:space:]]*\([0-9]*\).*$/\1/p" stats.json; }
 at_most() { (($(value "$1") <= $2)) || complain "$1 is $(value "$1"), more than $2"; }
 
 succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 400 --stats stats.json
-warns 'coarser than asked for'
+warns 'coarser than requested'
 at_most elements 400
 succeeds render gallery:1 -o "$out/a.png" "${small[@]}" --quality medium --max-elements 3000 --stats stats.json
 at_most elements 3000
@@ -20,8 +20,8 @@ rm -f "$out"/*
 # small limits hold, or are refused with the fewest elements that there can be: those are enough, and one fewer is not
 for scene in cornell-blocks furnace; do
     refuses 1 'elements is too small' render $scene -o "$out/a.png" "${small[@]}" --max-elements 1
-    enough=$(sed -n 's/^.* take \([0-9]*\) at the least.*$/\1/p' stderr)
-    refuses 1 "take $enough at the least" render $scene -o "$out/a.png" "${small[@]}" --max-elements $((enough - 1))
+    enough=$(sed -n 's/^.* need at least \([0-9]*\);.*$/\1/p' stderr)
+    refuses 1 "need at least $enough;" render $scene -o "$out/a.png" "${small[@]}" --max-elements $((enough - 1))
     for most in "$enough" $((enough + 36)); do
         succeeds render $scene -o "$out/a.png" "${small[@]}" --max-elements "$most" --stats stats.json
         at_most elements "$most"
@@ -50,7 +50,7 @@ refuses 2 'whole number' probe cornell-blocks --points p.csv -o "$out/a.csv" --m
 # of the whole program, where sanitizers and their shadows are not part of it
 if ! grep -q -a __asan_init "$program"; then
     succeeds render terraces:1e5 -o "$out/a.png" "${small[@]}" --quality medium --max-memory 150MiB --stats stats.json
-    warns 'coarser than asked for'
+    warns 'coarser than requested'
     at_most peak_rss_bytes $((150 << 20))
     rm -f "$out"/*
     refuses 1 'allow [0-9]* MiB' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 12MiB

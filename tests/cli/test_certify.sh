@@ -36,7 +36,7 @@ printf '0.1,0.2,0.1,0,1,0\n-0.1,0.2,0.1,0,0,1\n' >points.csv
 succeeds certify furnace --quality draft --samples 16 --rays 8 --points points.csv --stats points.json
 says '^points .* missing'
 grep -q '"goal_certificate":' points.json || complain "the statistics lack the points"
-refuses 2 'one goal' certify furnace --goal --points points.csv
+refuses 2 'exclude each other' certify furnace --goal --points points.csv
 refuses 1 'absent.csv' certify furnace --points absent.csv
 succeeds render furnace -o goal.exr --quality draft --size 16x16 --goal
 succeeds certify cornell-blocks --quality draft --error 0.001 --max-elements 1000

@@ -55,8 +55,8 @@ done
 (($(ls again | wc -l) == 7)) || complain "there are other files than from the scene: $(ls again)"
 succeeds bake box.safetensors -o "$out/none.glb" --to vertex --dry-run
 [[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"
-refuses 1 'no rows to be traced' bake box.safetensors -o "$out/x.glb" --to vertex --checkpoint "$out/rows"
-refuses 1 'surroundings of its own' bake box.safetensors -o "$out/x.glb" --to vertex --env white
+refuses 1 'no rows to save' bake box.safetensors -o "$out/x.glb" --to vertex --checkpoint "$out/rows"
+refuses 1 'its own environment' bake box.safetensors -o "$out/x.glb" --to vertex --env white
 refuses 1 'would overwrite' bake box.safetensors -o scene.glb --to vertex --stats box.safetensors
 
 # relit: what is baked shows the light, colours and places as they are then; solved anew, it is the same scene

@@ -96,7 +96,7 @@ succeeds render cornell-blocks -o twice.exr --projection equirectangular --size 
 cmp -s around.exr twice.exr || complain "a picture of all directions is not twice as wide as high"
 refuses 2 'number from' render cornell-blocks -o "$out/a.png" --fstop 0
 refuses 2 'without --fstop' render cornell-blocks -o "$out/a.png" --focus 2
-refuses 1 'all is sharp' render cornell-blocks -o "$out/a.png" --fstop 2 --projection fisheye
+refuses 1 '--fstop is not supported' render cornell-blocks -o "$out/a.png" --fstop 2 --projection fisheye
 refuses 1 'pinhole' render cornell-blocks -o "$out/a.png" --fstop 2 --mode occlusion
 refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -o "$out/a.png" --projection flat
 

@@ -81,7 +81,7 @@ printf 'x,y,z,nx,ny,nz,r,g,b,weight\n0,0.5,0,0,1,0,0.3,0.2,0.1,1\n' >colors.csv
 succeeds fit room.safetensors --wanted colors.csv -o factors.csv --keep hook --at-least --most 2 --threads 2
 succeeds fit room.safetensors --wanted <(printf 'x,y,z,nx,ny,nz,lux\n0,0.5,0,0,1,0,1e6\n') -o factors.csv --threads 2
 says 'most by .* lux at (0 0.5 0)'
-refuses 1 'does not say what is wanted' fit room.safetensors --wanted below.csv -o "$out/f.csv"
+refuses 1 'no target readings' fit room.safetensors --wanted below.csv -o "$out/f.csv"
 refuses 1 'lux is not a finite number' fit room.safetensors --wanted <(printf 'x,y,z,nx,ny,nz,lux\n0,0,0,0,1,0,much\n') -o "$out/f.csv"
 refuses 2 'above --most' fit room.safetensors --wanted wanted.csv -o "$out/f.csv" --least 2
 refuses 1 "no light 'moon'" fit room.safetensors --wanted wanted.csv -o "$out/f.csv" --keep moon

@@ -73,8 +73,8 @@ succeeds relight box.safetensors --object body.obj --script way.txt -o way%d.png
 cmp -s way0.png way1.png && complain "the object stays where it was"
 refuses 1 'no object' relight box.safetensors --script way.txt -o "$out/a%d.png"
 refuses 2 'mode operator' relight box.safetensors --object body.obj --script way.txt -o "$out/a%d.png"
-refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a.png"
-refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a%d%d.png"
+refuses 1 'a frame number' relight box.safetensors --script evening.txt -o "$out/a.png"
+refuses 1 'a frame number' relight box.safetensors --script evening.txt -o "$out/a%d%d.png"
 refuses 1 'none.txt' relight box.safetensors --script none.txt -o "$out/a%d.png"
 for line in '9 lamp=1' '9 light.light=1,2' '9 env-rotate=x' 'nine light.light=1' '-1 light.light=1' '2 light.light=1' '9 albedo.=1,1,1'; do
     printf '3 light.light=1\n%s\n' "$line" >bad.txt
@@ -83,14 +83,14 @@ done
 : >empty.txt
 refuses 1 'changes nothing' relight box.safetensors --script empty.txt -o "$out/a%d.png"
 
-refuses 1 'no surroundings' relight box.safetensors --env-rotate 5 -o "$out/a.png"
+refuses 1 'no environment' relight box.safetensors --env-rotate 5 -o "$out/a.png"
 refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
 refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
 mkdir -p folder.safetensors
 refuses 1 'is a folder' relight folder.safetensors -o "$out/a.png"
 refuses 1 'folder.safetensors: cannot be read' relight box.safetensors --script folder.safetensors -o "$out/a%d.png"
-refuses 1 'no operator file' relight cornell-blocks -o "$out/a.png"
+refuses 1 'not an operator file' relight cornell-blocks -o "$out/a.png"
 refuses 1 'No such file' relight none.safetensors -o "$out/a.png"
 refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
 refuses 1 'folder' relight box.safetensors -o no/such/folder/a.safetensors

@@ -48,7 +48,7 @@ succeeds info given.glb
 says ' glass '
 succeeds info cornell-marble --mesh cornell-spheres.glb
 refuses 1 'takes no mesh' scene furnace --mesh cornell-spheres.glb -o "$out/a.glb"
-refuses 1 'no built-in' info cornell-spheres.glb --mesh cornell-spheres.glb
+refuses 1 'not a built-in' info cornell-spheres.glb --mesh cornell-spheres.glb
 refuses 1 'nowhere.ply' scene cornell-glass --mesh nowhere.ply -o "$out/a.glb"
 echo ply >half.ply
 refuses 1 'half.ply' info character --mesh half.ply

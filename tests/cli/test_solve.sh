@@ -27,7 +27,7 @@ says '"norm_inf"'
 refuses 2 'safetensors' solve furnace -o "$out/a.png"
 refuses 2 'missing' solve furnace
 refuses 1 'folder' solve furnace -o no/such/folder/a.safetensors
-refuses 1 'surroundings' render renamed.glb -o "$out/a.png" --env sky.hdr
+refuses 1 'environment' render renamed.glb -o "$out/a.png" --env sky.hdr
 refuses 1 'mesh' render renamed.glb -o "$out/a.png" --mesh renamed.glb
 head -c 100000 renamed.glb >cut.safetensors
 refuses 1 'cut.safetensors.*cut off' render cut.safetensors -o "$out/a.png"

@@ -87,7 +87,7 @@ wrong '1 orbit 1' 'orbit.*a number more'
 wrong '1 orbit x 1' 'no number'
 wrong '1 quit now' 'too many'
 wrong '1 select light.moon' "no 'light.moon'"
-wrong '1 env-rotate 5' 'no surroundings'
+wrong '1 env-rotate 5' 'no environment'
 wrong '1 camera nobody' 'no camera'
 mkdir -p folder
 refuses 1 'folder: cannot be read' "${view[@]}" --script folder --record "$work/frames"

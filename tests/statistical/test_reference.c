@@ -24,7 +24,7 @@ static void count_rejections(void *user, rsv_log_level level, const char *messag
 {
     (void)level;
     ((fixture *)user)->rejected += strstr(message, "not finite") != NULL;
-    ((fixture *)user)->named += strstr(message, "leaves out what it mirrors") != NULL;
+    ((fixture *)user)->named += strstr(message, "leaves out its reflections") != NULL;
 }
 
 static fixture *start(int threads)

@@ -82,13 +82,19 @@ static rsv_light *solve(const rsv_scene *scene, uint32_t rays)
 }
 
 /// A floor below a bulb of hundreds of triangles, half of which a plate hides from some of it: elements are larger than the
-/// penumbra. Nearly all light is direct, so that errors are those of its estimate.
+/// penumbra. Two boxes stand on the floor, of one-sided and of two-sided faces: light ends below them at once. Nearly all light is
+/// direct, so that errors are those of its estimate.
 static void add_shaded_bulb(world *w)
 {
     uint32_t dark = world_lambert(w, 0.02f, 0);
     world_quad(w, dark, v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1));
     world_box(w, dark, v3(0.1f, 0.3f, -0.5f), v3(0.7f, 0.31f, 0.5f));
     world_sphere(w, world_lambert(w, 0, 20), v3(0, 0.6f, 0), 0.06f, 2);
+    rsv_material thin = lambert_material(0.02f, 0);
+    thin.double_sided = true;
+    uint32_t two_sided = world_material(w, thin);
+    world_box(w, dark, v3(-0.83f, 0, 0.11f), v3(-0.37f, 0.2f, 0.57f));
+    world_box(w, two_sided, v3(-0.83f, 0, -0.57f), v3(-0.37f, 0.2f, -0.11f));
     world_commit(w);
 }
 
@@ -96,6 +102,7 @@ static void light_of_a_shaded_bulb_is_what_is_path_traced(void **state)
 {
     (void)state;
     static const char *const target[] = { "lightmap", "vertex" };
+    static const float most[] = { 0.05f, 0.1f };
     static values v;
     static float error[MOST_VALUES];
     world *w = world_begin(2);
@@ -110,12 +117,13 @@ static void light_of_a_shaded_bulb_is_what_is_path_traced(void **state)
         desc.visitor = &visitor;
         assert_int_equal(rsv_bake(light, target[k], path_in(&files, "a.glb"), &desc, NULL), RSV_OK);
         size_t count = find_errors(w->scene, &v, UNLESS_SANITIZED(1024, 64), error);
-        print_message("%s: %zu values, median error %.4f, 99th percentile %.4f\n", target[k], count,
-            (double)error[count / 2], (double)error[count * 99 / 100]);
+        print_message("%s: %zu values, median error %.4f, 90th percentile %.4f, 99th %.4f\n",
+            target[k], count, (double)error[count / 2], (double)error[count * 9 / 10],
+            (double)error[count * 99 / 100]);
         assert_true(count > WANTED / 2);
         assert_true(error[count / 2] < 0.01f);
-        // vertices beside sharp shadows stand for other patches than those that are path traced here
-        if (k == 0) assert_true(error[count * 99 / 100] < UNLESS_SANITIZED(0.05f, 0.1f));
+        assert_true(error[count * 9 / 10] < UNLESS_SANITIZED(0.02f, 0.05f));
+        assert_true(error[count * 99 / 100] < UNLESS_SANITIZED(most[k], 0.3f));
     }
     remove_folder(files.path);
     rsv_light_destroy(light);

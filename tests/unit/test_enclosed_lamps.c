@@ -1,4 +1,4 @@
-/// Lamps that something opaque is closed around are named; others are not.
+/// Lamps that something opaque encloses are named; others are not.
 #include "builtin/builtin.h"
 #include "resolvent/scene.h"
 #include "scene_fixture.h"
@@ -82,7 +82,7 @@ static size_t count_enclosed(fixture *f, rsv_scene *scene)
 {
     assert_int_equal(rsv_scene_commit(scene), RSV_OK);
     rsv_scene_destroy(scene);
-    return count_mentions(f->log, "is closed around it");
+    return count_mentions(f->log, "encloses it");
 }
 
 static void an_opaque_bulb_is_named(void **state)
@@ -185,7 +185,7 @@ static void rooms_are_no_bulbs(void **state)
         f->log[0] = 0;
         assert_int_equal(rsv_scene_builtin(f->context, name[k], &scene), RSV_OK);
         rsv_scene_destroy(scene);
-        if (strstr(f->log, "closed around")) fail_msg("%s: %s", name[k], f->log);
+        if (strstr(f->log, "enclosed")) fail_msg("%s: %s", name[k], f->log);
     }
     // a doll house without a floor, lit from within
     rsv_scene *scene = begin_room(f, true);

@@ -242,7 +242,7 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
             "\"materials\":[{\"name\":\"p\",\"emissiveTexture\":{\"index\":7,\"texCoord\":1}}],"
             "\"nodes\":"
             "[{\"mesh\":0}]",
-            "material 'p' has textures by TEXCOORD_1, which the mesh lacks", 0 },
+            "material 'p' has textures that use TEXCOORD_1, which the mesh lacks", 0 },
         { ",\"material\":null",
             "\"nodes\":[{\"mesh\":0,\"camera\":null,\"name\":null,\"children\":null}]", "", 0 },
         { "", "\"extensionsRequired\":[7],\"nodes\":[{\"mesh\":0}]",

@@ -190,7 +190,7 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
         s, &(rsv_relight_desc){ .light = &moon, .light_count = 1 }, "'moon'", "'bulb', 'torch'");
     check_refused(s, &(rsv_relight_desc){ .light = &dark, .light_count = 1 }, "'bulb'", "from 0");
     check_refused(s, &(rsv_relight_desc){ .albedo = &gold, .albedo_count = 1 }, "'gold'", "'red'");
-    check_refused(s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "anew");
+    check_refused(s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "again");
     check_refused(
         s, &(rsv_relight_desc){ .albedo = &bright, .albedo_count = 1 }, "'red'", "0 .. 1");
     rsv_light_destroy(s);
@@ -984,7 +984,7 @@ static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
     rsv_light *s = solve(w, false);
     const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
     const rsv_light_move move = { name, { 0, -0.1f, 0 } };
-    check_refused(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 }, name, "solve anew");
+    check_refused(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 }, name, "solve the scene again");
     rsv_light_destroy(s);
     world_end(w);
 }

@@ -149,7 +149,7 @@ static void what_is_broken_is_refused_with_its_place(void **state)
     } broken[] = {
         { "", "empty" },
         { "solid a\nendsolid\n", "no triangle" },
-        { "no stl file at all", "no STL file" },
+        { "not an STL file at all", "not an STL file" },
         { "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0\n", "cut off" },
         { "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2,5 0 0\n", "line 5" },
         { "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex inf 0 0\n", "line 5" },

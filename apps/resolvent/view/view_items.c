@@ -253,7 +253,7 @@ bool cli_view_place_object(cli_view_state *s, const float place[4], char *proble
 {
     if (s->object >= s->item_count)
         return cli_view_fail(
-            problem, "there is no object to place; --object FILE brings one%s", "");
+            problem, "there is no object to place; add one with --object FILE%s", "");
     s->object_turn = place[3];
     move_item(s, &s->item[s->object], (rsv_vec3){ place[0], place[1], place[2] });
     return true;

@@ -21,7 +21,7 @@ bool cli_show_begin(cli_view_show *s, const cli_refiner_desc *desc, uint32_t thr
     if (status != RSV_OK)
         cli_report_failure(desc->session, status);
     else
-        cli_error("view: no thread could be started; --record DIR does without");
+        cli_error("view: no thread could be started; use --record DIR to write frames instead");
     return false;
 }
 

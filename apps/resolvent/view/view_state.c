@@ -219,7 +219,7 @@ static bool set_camera(cli_view_state *s, const char *name, char *problem)
 static bool turn_to(cli_view_state *s, float degrees, char *problem)
 {
     if (!s->scene->environment)
-        return cli_view_fail(problem, "there are no surroundings to turn%s", "");
+        return cli_view_fail(problem, "there is no environment to rotate%s", "");
     s->env_rotation = fmodf(degrees, 360);
     s->light_changes++;
     return true;
