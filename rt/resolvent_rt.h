@@ -10,7 +10,7 @@
 /// - **Basis.** Light is linear: E = sum of scale[l] * B[l], where B[l] is what light l alone does, at any receivers:
 ///   vertices, texels of a lightmap, probes. Exact for other intensities and colours of the lights that were baked,
 ///   and cheap: rsv_rt_relight.
-/// - **Operator.** E = E0 + G K E for whatever direct light E0 the engine brings, from lights that nobody baked.
+/// - **Operator.** E = E0 + G K E for whatever direct light E0 the engine brings, from lights that were not baked.
 ///   rsv_rt_solver_update goes on from the light of the frame before, within a budget of work, so that bounced light
 ///   follows within some frames and costs what the engine allows.
 ///

@@ -1,13 +1,13 @@
 /// @file animation.h
-/// Scenes that move: a glTF file at any moment of its animations.
+/// Animated scenes: a glTF file at any time of its animations.
 ///
 ///     rsv_animation *animation = NULL;
 ///     rsv_animation_open(context, "walk.glb", NULL, &animation);
 ///     const rsv_clip *clip = rsv_animation_clip(animation, 0);
 ///     rsv_animation_scene(animation, 0, clip->start + 0.5, &scene);
 ///
-/// Nodes, skins, morph targets, and the lights and cameras of nodes move. The file is read once; a scene at a moment is a
-/// whole one, to be solved, updated (update.h) and rendered like any other.
+/// Nodes, skins and morph targets move, and so do lights and cameras attached to nodes. The file is read once. A scene at
+/// one time is complete: solve, update (update.h) and render it like any other.
 #ifndef RESOLVENT_ANIMATION_H
 #define RESOLVENT_ANIMATION_H
 

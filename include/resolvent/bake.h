@@ -1,10 +1,10 @@
 /// @file bake.h
-/// Solved light in files that others read: in vertices, in lightmaps, in grids of probes.
+/// Bakes solved light into files for other programs: vertices, lightmaps, grids of probes.
 ///
-/// The scene's own glTF file is the start, as the scene and operator files keep it (rsv_load_desc.keep_document): its JSON is
-/// changed in places, so that nodes, animations, cameras, extras and unknown extensions come out as they went in. Scenes that keep
-/// none - of other formats, built-in, made by code - are written as they are. What was relit since is written as it is now:
-/// strengths, colours and places of lights, colours of materials. docs/bake.md says what is written.
+/// Starts from the scene's own glTF file, which scenes and operator files can keep (rsv_load_desc.keep_document). Only parts of
+/// its JSON change: nodes, animations, cameras, extras and unknown extensions stay as they are. Scenes without such a file
+/// (other formats, built-in, made in code) are written as new files. Changes made by relighting are included: strengths,
+/// colours and positions of lights, colours of materials. docs/bake.md describes the output.
 #ifndef RESOLVENT_BAKE_H
 #define RESOLVENT_BAKE_H
 
@@ -59,7 +59,7 @@ typedef struct rsv_bake_desc {
     bool directional; ///< lightmaps: also where light comes from, for normal maps
     bool basis;       ///< also write what each light does by itself, for the runtime
     bool
-        operator_file; ///< vertices, lightmaps: also write the operator, for light that nobody baked
+        operator_file; ///< vertices, lightmaps: also write the operator, for lights that were not baked
     /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
     /// as they are.
     uint32_t turns;

@@ -1,21 +1,21 @@
 /// @file certify.h
-/// How wrong a solution is: a certificate that trusts nothing of how the solution was made.
+/// The error of a solution: a certificate that does not rely on how the solution was computed.
 ///
 /// Let E~ be what rsv_light_irradiance returns at every point of every diffuse surface. Its residual
 ///
 ///     r(x) = E0(x) + (G K E~)(x) - E~(x)
 ///
-/// is estimated at random points of the surfaces, half of them uniform in area and half where E~ is bright, by one more
-/// gather, without elements at the receiving end, and with random numbers that the build never used. Normal maps are
-/// averaged over the patches that stored light stands for. The error
-/// e = E - E~ obeys e = r + G K e, and in the area-weighted mean square G K shrinks by the largest albedo at least, so that
+/// is estimated at random points on the surfaces, half of them uniform in area and half where E~ is bright. The
+/// estimate is one more gather of rays. The receiving end does not use elements, and no random numbers of the solve are
+/// reused. Normal maps are averaged over the patches that stored light represents. The error
+/// e = E - E~ satisfies e = r + G K e. In the area-weighted mean square, G K shrinks by at least the largest albedo, so
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
 ///
-/// whatever is wrong with E~: elements too large, too few rays, too few orders. Where light escapes, what the operator makes of an
-/// even light bounds it better, and albedos of 1 do no harm. (Where diffuse surfaces lie within bodies
-/// that refract, G K shrinks L / n^2, and the bound grows by the ratio of the largest n^2 to the least.) docs/certificate.md says how, and
-/// what is not claimed.
+/// whatever the cause of the error: elements that are too large, too few rays, too few orders. Where light escapes, applying
+/// the operator to uniform light gives a better bound, which also allows albedos of 1. (If diffuse surfaces are inside bodies
+/// that refract, G K shrinks L / n^2, and the bound grows by the ratio of the largest n^2 to the smallest.)
+/// docs/certificate.md has the details, and what is not claimed.
 #ifndef RESOLVENT_CERTIFY_H
 #define RESOLVENT_CERTIFY_H
 

@@ -1,5 +1,5 @@
 /// @file check.h
-/// Likely mistakes in scenes: what people ask about when a picture is not what they expect.
+/// Likely mistakes in scenes: common reasons why a picture is not what was expected.
 #ifndef RESOLVENT_CHECK_H
 #define RESOLVENT_CHECK_H
 

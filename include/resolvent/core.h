@@ -1,5 +1,5 @@
 /// @file core.h
-/// Context, status codes, small value types: what every other header starts from.
+/// Context, status codes and small value types: the basis of all other headers.
 ///
 /// Units are SI and radiometric: metres, W, W/m2 (irradiance, exitance), W/(sr m2) (radiance), each
 /// as linear RGB. Coordinates are glTF's: right-handed, y up. See docs/conventions.md.
@@ -54,7 +54,7 @@ typedef struct rsv_context rsv_context;
 
 /// How a context behaves. Start from rsv_default_context_desc().
 typedef struct rsv_context_desc {
-    /// Worker threads; 0 = one per processor, or OMP_NUM_THREADS. Results do not depend on it.
+    /// Worker threads; 0 = one per core, or OMP_NUM_THREADS. Results do not depend on it.
     int thread_count;
     /// Receives notes and warnings, one line each without a newline; NULL = silent.
     void (*log)(void *user, rsv_log_level level, const char *message);
@@ -71,7 +71,7 @@ typedef struct rsv_context_desc {
     void *user;
     /// Processes that share the work (resolvent/team.h); borrowed. NULL = this one alone.
     struct rsv_team *team;
-    /// Where the operator is applied and solved (resolvent/device.h); borrowed. NULL = on the processor.
+    /// Where the operator is applied and solved (resolvent/device.h); borrowed. NULL = on the CPU.
     struct rsv_device *device;
 } rsv_context_desc;
 

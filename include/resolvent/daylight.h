@@ -1,9 +1,9 @@
 /// @file daylight.h
-/// Daylight at sensors, hour by hour: coefficients of the sky's patches, found once, times the skies of a weather file.
+/// Daylight at sensors, hour by hour. Coefficients of the sky's patches are computed once, and applied to any weather file.
 ///
-/// The path: surround a scene with the mean sky of a year (rsv_daylight_surround), solve it (rsv_light_create, best with the
-/// sensors as its goal), find the sensors' coefficients (rsv_daylight_create), then run any weather file (rsv_daylight_run). Lamps
-/// of the scene are off. All illuminances are lux, of a white sky.
+/// Steps: surround a scene with the mean sky of a year (rsv_daylight_surround), solve it (rsv_light_create, preferably with
+/// the sensors as its goal), compute the sensors' coefficients (rsv_daylight_create), then evaluate any weather file
+/// (rsv_daylight_run). The lamps of the scene are off. All illuminances are in lux, for a white sky.
 #ifndef RESOLVENT_DAYLIGHT_H
 #define RESOLVENT_DAYLIGHT_H
 

@@ -1,9 +1,9 @@
 /// @file device.h
-/// Where the operator is applied and solved: on the processor, or on a GPU.
+/// Where the operator is applied and solved: on the CPU or on a GPU.
 ///
-/// A device is opened once and given to a context (rsv_context_desc.device); what the library knows to do there is then
-/// done there, the rest as before, with the same answers up to rounding. How that works is the business of a plug-in
-/// that is loaded when it is wanted: the library itself needs no CUDA.
+/// Open a device once and give it to a context (rsv_context_desc.device). The supported parts then run on the device, the
+/// others on the CPU, with the same results up to rounding. The device code is in a plug-in that is loaded on demand, so
+/// the library itself does not depend on CUDA.
 #ifndef RESOLVENT_DEVICE_H
 #define RESOLVENT_DEVICE_H
 
@@ -15,17 +15,17 @@ extern "C" {
 
 typedef enum rsv_device_kind {
     RSV_DEVICE_CUDA,    ///< the first NVIDIA GPU that the driver shows (CUDA_VISIBLE_DEVICES)
-    RSV_DEVICE_EMULATED ///< the same code on the processor, slowly: for tests
+    RSV_DEVICE_EMULATED ///< the same code on the CPU, slowly: for tests
 } rsv_device_kind;
 
 /// Start from rsv_default_device_desc().
 typedef struct rsv_device_desc {
     rsv_device_kind kind;
     /// Whether work that the device cannot do, because its memory is too small or because it fails, is done by the
-    /// processor with a warning. Otherwise it ends with an error.
+    /// CPU with a warning. Otherwise it ends with an error.
     bool optional;
     /// Whether the rays of the operator's rows, the shadow rays of direct light and the photons of caustics are traced there,
-    /// too: the same rays, which end where the processor's do but for those that pass within rounding of an edge.
+    /// too: the same rays, which end where those of the CPU do, except within rounding of an edge.
     bool rows;
     size_t max_bytes;    ///< of the device's memory; 0 = all that is free
     uint64_t fail_after; ///< emulated: the device is lost after so many launches; 0 = never
@@ -56,7 +56,7 @@ RSV_API const rsv_device_info *rsv_device_get_info(const rsv_device *device);
 // ---- relighting by factors -----------------------------------------------------------------------
 
 /// What each light does by itself, at any receivers, resident on a device: vertices, texels of a lightmap, elements.
-/// Light is linear: E = sum of scale[l] x value[l] (as rsv_rt_relight does on a processor).
+/// Light is linear: E = sum of scale[l] x value[l] (as rsv_rt_relight does on the CPU).
 typedef struct rsv_device_basis rsv_device_basis;
 
 /// @param value [light_count][receiver_count][3], copied
@@ -75,7 +75,7 @@ RSV_API rsv_status rsv_device_basis_relight(
 /// Where on the device the irradiance lies, for other code that runs there: [receiver_count].
 RSV_API const rsv_rgb *rsv_device_basis_address(const rsv_device_basis *basis);
 
-/// Times relighting with all scales brought anew, by the device's clock. @param seconds out, [repetitions]
+/// Times relighting with all scales replaced, by the device's clock. @param seconds out, [repetitions]
 RSV_API rsv_status rsv_device_basis_measure(
     rsv_device_basis *basis, uint32_t repetitions, double *seconds);
 

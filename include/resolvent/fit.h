@@ -1,7 +1,7 @@
 /// @file fit.h
-/// Strengths of lights that meet wanted readings: the inverse of rsv_light_relight and rsv_probe_irradiance.
+/// Strengths of lights for target readings: the inverse of rsv_light_relight and rsv_probe_irradiance.
 ///
-/// Readings are a sum over lights, each times its factor. The factors minimise
+/// A reading is a sum over lights, each multiplied by its factor. The factors minimise
 ///     1/2 sum_i w_i (reading_i - wanted_i)^2 / mean(wanted)^2 + saving * power / power of all lights at their highest factors
 /// within bounds, by projected Newton steps (Bertsekas 1982).
 #ifndef RESOLVENT_FIT_H

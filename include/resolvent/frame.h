@@ -1,10 +1,10 @@
 /// @file frame.h
-/// Pictures from a solution at interactive rates: `operator` mode as an object that keeps what frames share.
+/// Pictures at interactive rates from a solution: `operator` mode as an object that keeps what frames share.
 ///
-/// Creation bakes what every plain diffuse surface shows into one table, so that a pixel costs a camera ray and
-/// a lookup; mirrors, glass, textures and translucent surfaces cost a specular path each. A frame takes one sample per
-/// pixel, at the same place in all of them. While cameras rest, frames add up to the picture that rsv_render makes
-/// with rsv_render_desc.shared_pattern and as many samples. Nothing is allocated after creation.
+/// Creating it stores the light of every plain diffuse surface in one table, so a pixel there costs a camera ray and a
+/// lookup. Mirrors, glass, textures and translucent surfaces also cost a specular path. A frame takes one sample per
+/// pixel, at the same place in all pixels. While cameras rest, frames add up to the picture that rsv_render makes with
+/// rsv_render_desc.shared_pattern and as many samples. Nothing is allocated after creation.
 #ifndef RESOLVENT_FRAME_H
 #define RESOLVENT_FRAME_H
 
@@ -17,7 +17,7 @@ extern "C" {
 
 /// Instructions that frames are computed with. All of them give the same picture, bit by bit.
 typedef enum rsv_instructions {
-    RSV_INSTRUCTIONS_BEST, ///< the widest that the processor has
+    RSV_INSTRUCTIONS_BEST, ///< the widest that the CPU supports
     RSV_INSTRUCTIONS_PORTABLE,
     RSV_INSTRUCTIONS_AVX2,
     RSV_INSTRUCTIONS_AVX512
@@ -111,7 +111,7 @@ RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t laye
 RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
 
 /// Shows an object that moves, with its shadow, in all light but not in single layers; NULL = none. To be called again
-/// whenever it was placed or lit anew: frames start over.
+/// whenever it was placed or lit again: frames start over.
 /// @param mover of the same solution; borrowed
 RSV_API void rsv_frame_renderer_put(rsv_frame_renderer *renderer, const rsv_mover *mover);
 

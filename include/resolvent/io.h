@@ -48,7 +48,7 @@ typedef struct rsv_load_desc {
     /// Radians. Meshes without normals, glTF's apart (flat by its specification), are shaded smooth
     /// across edges whose triangles meet at less than this angle (default 45 degrees).
     float crease_angle;
-    /// The file will become part of another scene: nobody misses lights or cameras in it.
+    /// The file will become part of another scene: it needs no lights or cameras.
     bool is_part;
     /// Keep a glTF file, and the buffers and pictures beside it, in memory as they are: bakes write them back with light
     /// added (bake.h), operator files hold them (opfile.h). Default true; rsv_scene_drop_document() frees them.

@@ -1,6 +1,6 @@
 /// @file lightmix.h
-/// Pictures of one view under lights of changing strength and colour, without a ray: what each source shows by itself is
-/// rendered once and kept, and every further picture is a sum of that.
+/// Pictures of one view under lights of changing strength and colour, without tracing rays: the contribution of each source is
+/// rendered once and kept, and every further picture is a weighted sum of these.
 #ifndef RESOLVENT_LIGHTMIX_H
 #define RESOLVENT_LIGHTMIX_H
 

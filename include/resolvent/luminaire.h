@@ -1,5 +1,5 @@
 /// @file luminaire.h
-/// Measured luminaires: which luminous intensity they send where, from files of IES LM-63 (1986 to 2019) and EULUMDAT.
+/// Measured luminaires: their luminous intensity by direction, from IES LM-63 (1986 to 2019) and EULUMDAT files.
 #ifndef RESOLVENT_LUMINAIRE_H
 #define RESOLVENT_LUMINAIRE_H
 

@@ -1,13 +1,13 @@
 /// @file mover.h
-/// A rigid object that moves through a solved scene: lit by it and seen in it, without being part of the operator.
+/// A rigid object that moves through a solved scene. It is lit by the scene and visible in it, but not part of the operator.
 ///
-/// Direct light on it is traced at its vertices, shadows of scene and object included. Indirect light comes from probes in
-/// spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001) on a grid that fills the scene; they are lit where the
-/// object comes to, and what a wall hides from a point of the object takes no part there. In frames (frame.h) its image
-/// through glass and smooth mirrors and its shadow in the light of sources are traced.
+/// Direct light is traced at its vertices, with shadows of the scene and of the object. Indirect light comes from a grid of
+/// probes in spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001) that fills the scene. Probes are lit when the
+/// object comes near, and points of the object use only the probes that they see, so walls do not leak. In frames (frame.h),
+/// its image through glass and smooth mirrors is traced, and so is its shadow in the light of sources.
 ///
-/// Left out: what the object hides of indirect light, caustics and rough reflections, and what it reflects back. Its
-/// surfaces count as diffuse, with their material's base color.
+/// Not included: indirect light, caustics and rough reflections that the object blocks, and the light that it reflects back.
+/// Its surfaces are shaded as diffuse, with the base colour of their material.
 #ifndef RESOLVENT_MOVER_H
 #define RESOLVENT_MOVER_H
 
@@ -42,7 +42,7 @@ RSV_API void rsv_mover_destroy(rsv_mover *mover);
 /// @param turn degrees about the vertical through its middle, counter-clockwise from above
 RSV_API rsv_status rsv_mover_place(rsv_mover *mover, rsv_vec3 offset, float turn);
 
-/// Lights it anew after the solution's light has changed.
+/// Lights it again after the solution's light has changed.
 RSV_API void rsv_mover_refresh(rsv_mover *mover);
 
 /// Irradiance that its vertices show, W/m2, [vertex_count of its scene].

@@ -1,9 +1,9 @@
 /// @file opfile.h
-/// Solved operators as files: written once, then rendered, probed, certified and relit without tracing a ray for them.
+/// Solved operators as files: written once, then rendered, probed, certified and relit without tracing the operator's rays again.
 ///
-/// A file stands alone: it holds the scene, the elements, G, K, the sources and the solution, in the safetensors layout
-/// (a JSON header and flat arrays), so that any language reads it in a few lines. docs/operator-files.md names
-/// every array; samples/python/solve_operator.py reads one and solves it again.
+/// A file is self-contained: it holds the scene, the elements, G, K, the sources and the solution, in the safetensors format
+/// (a JSON header and flat arrays), which any language can read in a few lines. docs/operator-files.md lists every
+/// array; samples/python/solve_operator.py reads a file and solves it again.
 #ifndef RESOLVENT_OPFILE_H
 #define RESOLVENT_OPFILE_H
 

@@ -1,5 +1,5 @@
 /// @file plan.h
-/// A picture by the error or the time that is wanted: elements, rays and camera samples are chosen together.
+/// A picture with a given error or time: elements, rays and camera samples are chosen together.
 #ifndef RESOLVENT_PLAN_H
 #define RESOLVENT_PLAN_H
 

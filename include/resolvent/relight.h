@@ -1,5 +1,5 @@
 /// @file relight.h
-/// Other lights and colours on a solved operator: rows of G stay as they are, no ray is traced for them.
+/// Other lights and colours on a solved operator: rows of G stay as they are, so no rays are traced for them.
 #ifndef RESOLVENT_RELIGHT_H
 #define RESOLVENT_RELIGHT_H
 
@@ -50,7 +50,7 @@ typedef struct rsv_relight_desc {
 
 /// Changes a light and solves again: E0 is the sum of the sources' parts, each times its scale. The scene that it was made
 /// of stays as it is, as do other lights of it: rsv_light_scene says how this one has it from then on. The parts come from the file, or are sampled here if it has none. What translucent
-/// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn, on elements
+/// bodies show directly is sampled again, and so are lights that move and the suns of surroundings that turn, on elements
 /// split further for that; the rest of these is known direction by direction. Nobody else may use the solution meanwhile.
 ///
 /// Rows of G stay as they are: a lamp that moves takes its light and the shadows in it along, but what its own body
@@ -75,7 +75,7 @@ RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 /// of sorting the receivers) where changes are to follow one another. From then on what every source does by itself,
 /// bounces included, is kept, up to 512 MiB: while strengths alone change, rsv_relighter_change makes them right at once
 /// and no steps are needed. After sources or colours have changed, the first change of strengths once all has settled
-/// solves for every source anew.
+/// solves for every source again.
 RSV_API rsv_status rsv_relighter_prepare(rsv_relighter *relighter);
 
 /// What can be changed of a source, and how it stands.
@@ -125,7 +125,7 @@ RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
 RSV_API rsv_status rsv_relighter_refine(rsv_relighter *relighter);
 
 /// How often elements were replaced, by rsv_relighter_refine or by a change that goes back to the beginning: whenever this
-/// has grown, what shows the light (frame renderers, movers) has to be created anew.
+/// has grown, what shows the light (frame renderers, movers) has to be created again.
 RSV_API uint32_t rsv_relighter_replacements(const rsv_relighter *relighter);
 
 /// Whether nothing is left for rsv_relighter_settle.

@@ -1,9 +1,9 @@
 /// @file scene.h
-/// What is lit: meshes, materials, lights, cameras.
+/// Scenes: meshes, materials, lights, cameras.
 ///
-/// Create, add, commit; afterwards the scene is constant and every query is thread-safe. Commit
-/// flattens instances into world-space triangle arrays (rsv_scene_view), which is all that the
-/// rest of the library reads.
+/// Create a scene, add to it, commit it. It is then constant, and every query is thread-safe.
+/// Commit flattens instances into arrays of world-space triangles (rsv_scene_view); the rest of the
+/// library reads only these.
 #ifndef RESOLVENT_SCENE_H
 #define RESOLVENT_SCENE_H
 

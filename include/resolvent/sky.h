@@ -1,8 +1,8 @@
 /// @file sky.h
-/// Daylight outdoors: where the sun is, how bright the sky is, and what weather files say.
+/// Daylight outdoors: position of the sun, luminance of the sky, weather files.
 ///
 /// Directions are unit vectors from the ground to the sky, in a frame with x east, y up and -z north. Azimuths count
-/// clockwise from north as seen from above. Luminances are cd/m2, illuminances lux.
+/// clockwise from north as seen from above. Luminances are in cd/m2, illuminances in lux.
 #ifndef RESOLVENT_SKY_H
 #define RESOLVENT_SKY_H
 

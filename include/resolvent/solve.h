@@ -1,5 +1,5 @@
 /// @file solve.h
-/// From a scene to its light-transport operator and the solution E = E0 + G K E.
+/// Solves the light of a scene: the light-transport operator, and the solution of E = E0 + G K E.
 #ifndef RESOLVENT_SOLVE_H
 #define RESOLVENT_SOLVE_H
 
@@ -109,7 +109,7 @@ typedef struct rsv_solve_report {
         truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2: of the system, before what rows blur is sharpened
     double mean_irradiance; ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
-    /// Seconds of a processor that assembly and solve take on their critical path: of the calling thread; with several
+    /// CPU seconds that assembly and solve take on their critical path: of the calling thread; with several
     /// processes, of the slowest from meeting to meeting. Other work on the machine does not lengthen them.
     double critical_assemble, critical_solve;
 } rsv_solve_report;
@@ -190,7 +190,7 @@ typedef struct rsv_solver_cost {
 
 /// Solves the coarse system of a solution once more, from nothing and without keeping orders apart.
 /// @param tolerance of the residual, on the scale of rsv_solver_cost
-/// @param observe called whenever the solver knows a residual; NULL = nobody listens
+/// @param observe called whenever the solver knows a residual; NULL = none
 RSV_API rsv_status rsv_measure_solver(const rsv_light *light, rsv_solver solver, double tolerance,
     void (*observe)(void *user, double applications, double residual), void *user,
     rsv_solver_cost *cost);

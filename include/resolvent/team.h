@@ -1,11 +1,11 @@
 /// @file team.h
-/// Processes that share one job, on one machine or many: `mpirun -n 8 resolvent solve ...`.
+/// Several processes that share one job, on one machine or many: `mpirun -n 8 resolvent solve ...`.
 ///
-/// All run the same program with the same arguments. Each holds the scene, its elements and the fields on them; the rows
-/// of G, most of the memory and of the time, are divided. Whatever one process computes is handed to the others bit by
-/// bit, so that results and files do not depend on how many there are (docs/cluster.md).
+/// All processes run the same program with the same arguments. Each holds the scene, its elements and the fields on them. The
+/// rows of G, most of the memory and time, are divided. Processes exchange only exact copies of their results, so results
+/// and files do not depend on the number of processes (docs/cluster.md).
 ///
-/// How they talk is the business of a plug-in that knows MPI, loaded when it is wanted: the library itself needs none.
+/// Communication is in a plug-in for MPI that is loaded on demand; the library itself does not depend on MPI.
 #ifndef RESOLVENT_TEAM_H
 #define RESOLVENT_TEAM_H
 
@@ -20,7 +20,7 @@ extern "C" {
 typedef struct rsv_team rsv_team;
 
 /// What the plug-in offers. All but `progress` and `alarm` are collective: every process calls them, in the same order,
-/// from the thread that entered the library. Broken lines end the program: there is nobody left to tell.
+/// from the thread that entered the library. Broken lines end the program: there is no process left to report to.
 typedef struct rsv_team_table {
     /// Items [begin[r], begin[r + 1]) of `array` are known to process r before, to all afterwards.
     /// @param begin [size + 1]
@@ -48,9 +48,9 @@ struct rsv_team {
     char reason[RSV_MESSAGE_BYTES]; ///< the message that all have agreed on then
     /// Processor seconds of the slowest from meeting to meeting, summed: the critical path.
     double path;
-    double met; ///< processor seconds of the calling thread when they last met
-    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc says which of
-    /// them nobody asked for.
+    double met; ///< CPU seconds of the calling thread when they last met
+    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc lists which of
+    /// them were not used.
     const char *petsc_options;
 };
 

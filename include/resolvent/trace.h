@@ -1,5 +1,5 @@
 /// @file trace.h
-/// Rays against a committed scene. Everything that knows Embree is behind this header.
+/// Rays against a committed scene. Embree is hidden behind this header.
 #ifndef RESOLVENT_TRACE_H
 #define RESOLVENT_TRACE_H
 
@@ -57,7 +57,7 @@ RSV_API bool rsv_tracer_nearest(
     const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal, rsv_hit *hit);
 
 /// Nearest intersection and occlusion for the sixteen lanes of a packet, through 16-, 8- or 4-wide traversal, whichever the
-/// processor runs natively. `coherent` says that the rays are alike in origin and direction.
+/// CPU runs natively. `coherent` says that the rays are alike in origin and direction.
 RSV_API void rsv_tracer_closest_packet(
     const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
 RSV_API void rsv_tracer_occluded_packet(

@@ -1,15 +1,15 @@
 /// @file update.h
-/// Solving a scene again after an edit: objects moved, added or removed, materials or lights changed. What the edit
-/// cannot have touched is taken over from the solution before; the rest is found anew.
+/// Solves a scene again after an edit: objects moved, added or removed, materials or lights changed. Whatever the edit
+/// cannot have affected is reused from the solution before; the rest is computed again.
 ///
 ///     rsv_update_store *store = NULL;
 ///     rsv_update_store_create(context, &store);
-///     rsv_operator_update(scene, &desc, store, &solution, NULL);  // for the first time: as a whole
-///     rsv_operator_update(edited, &desc, store, &next, &report);  // over and over, at a part of the cost
+///     rsv_operator_update(scene, &desc, store, &solution, NULL);  // the first time: everything
+///     rsv_operator_update(edited, &desc, store, &next, &report);  // then, for a fraction of the cost
 ///
-/// `edited` is another scene, built or loaded anew: what stays where it was is known again by its place, not by a name. The
-/// solution is a whole one, that of rsv_light_create within its sampling error, and the same bytes for any number of
-/// threads. Errors do not add up: light that is taken over is light that was sampled for the very same surroundings.
+/// `edited` is a new scene, built or loaded again. What stayed in place is recognised by its position, not by a name. The
+/// result is a complete solution. It equals that of rsv_light_create up to sampling error, and is the same byte for byte
+/// for any number of threads. Errors do not accumulate: reused light was sampled in identical surroundings.
 #ifndef RESOLVENT_UPDATE_H
 #define RESOLVENT_UPDATE_H
 
@@ -34,7 +34,7 @@ RSV_API void rsv_update_store_clear(rsv_update_store *store);
 /// Memory it takes; while an update runs, about twice that.
 RSV_API size_t rsv_update_store_bytes(const rsv_update_store *store);
 
-/// What was kept of the solution before, and what was found anew. Rays and rows are in proportion to time; all of `kept_...`
+/// What was kept of the solution before, and what was computed again. Rays and rows are in proportion to time; all of `kept_...`
 /// is 0 where the scene was solved as a whole.
 typedef struct rsv_update_report {
     size_t rows;            ///< coarse elements with a row of their own
@@ -62,7 +62,7 @@ RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_d
 /// Takes a light to another version of its scene in which surfaces are elsewhere or have other shapes, and punctual lights
 /// shine from elsewhere: a later frame of an animation, or the scene after something was dragged. In place, and at a small part
 /// of the cost of an update: only what moved, rays that its old or new place touches, and light that it may have hidden or let
-/// through are found again, and elements are divided anew where surfaces touch now. Splits pile up on the way; called again
+/// through are computed again, and elements are divided again where surfaces touch now. Splits pile up on the way; called again
 /// with the same scene, once all rests, it divides elements as a solve would.
 ///
 /// The first time, rows are traced as a whole, so that their rays are known from then on: 7 bytes each and more. Orders are

@@ -87,6 +87,9 @@
 /// Emitters nearer than so many times their radius are weighed exactly; others as if they were points, which is off by
 /// less than the square of one over this.
 #define NEAR_EMITTER 8
+/// Places on emitters farther than so many times their radius are drawn by area, not by solid angle: weights differ by less
+/// than a factor of four.
+#define FAR_EMITTER 3
 /// Of each half at most, where those did not do, and how often that is asked.
 #define MOST_REFINED_SAMPLES 2048
 #define LIGHT_REFINEMENTS 2

@@ -81,9 +81,11 @@ static void weigh_emitters(const rsv_bake_sources *q, const rsv_receiver *r, rsv
         if (w->weight[k] < 0)
             w->weight[k] =
                 rsv_projected_solid_angle(&q->lights->emitter[q->lights->sampled[k]], p, n);
-        rsv_rgb light = rgb_scale(rgb(q->r[k], q->g[k], q->b[k]), w->weight[k]);
-        sum = rgb_add(sum, light);
-        w->sum += rgb_luminance(light);
+        if (w->weight[k] > 0) { // of a bulb, half face away
+            rsv_rgb light = rgb_scale(rgb(q->r[k], q->g[k], q->b[k]), w->weight[k]);
+            sum = rgb_add(sum, light);
+            w->sum += rgb_luminance(light);
+        }
         w->weight[k] = w->sum;
     }
     w->unshadowed = sum;
@@ -127,6 +129,21 @@ static uint32_t choose(const rsv_bake_sources *q, const rsv_bake_weights *w, flo
     return low;
 }
 
+static bool is_far(const rsv_bake_sources *q, uint32_t k, rsv_vec3 p)
+{
+    rsv_vec3 way = v3_sub(v3(q->x[k], q->y[k], q->z[k]), p);
+    return v3_dot(way, way) > FAR_EMITTER * FAR_EMITTER * q->radius[k] * q->radius[k];
+}
+
+static bool sample_chosen(const rsv_bake_sources *q, const rsv_bake_weights *w, uint32_t chosen,
+    float share, const float u[3], rsv_light_sample *result)
+{
+    float probability = w->emitters * share;
+    return is_far(q, chosen, w->local.point)
+               ? rsv_sample_far_emitter(&w->local, chosen, probability, u[1], u[2], result)
+               : rsv_sample_emitter(&w->local, chosen, probability, u[1], u[2], result);
+}
+
 static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const float u[3],
     rsv_light_sample *result)
 {
@@ -134,9 +151,7 @@ static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const f
         return rsv_local_lights_sample(&w->local, u[0] - w->emitters, u[1], u[2], result);
     float share;
     uint32_t chosen = choose(q, w, u[0] / w->emitters, &share);
-    if (!(share > 0) ||
-        !rsv_sample_emitter(&w->local, chosen, w->emitters * share, u[1], u[2], result))
-        return false;
+    if (!(share > 0) || !sample_chosen(q, w, chosen, share, u, result)) return false;
     const rsv_emitter *emitter = &q->lights->emitter[result->emitter];
     if (emitter->varies)
         result->radiance =

@@ -207,21 +207,46 @@ RSV_INLINE void rsv_note_place(
     sample->back = d3_dot(view->area_vector, towards) > 0;
 }
 
+/// A place on an emitter as it is seen. @param sample out: all but `emitter` and the density
+RSV_INLINE void rsv_sample_view(const rsv_emitter *emitter, const rsv_triangle_view *view, float u1,
+    float u2, rsv_light_sample *sample)
+{
+    rsv_double3 towards = rsv_sample_triangle(view, u1, u2);
+    double distance = d3_length(towards);
+    sample->from_sky = false;
+    sample->distance = (float)distance;
+    sample->direction = d3_to_float(d3_scale(towards, 1 / distance));
+    sample->radiance = sample->mean_radiance = emitter->radiance;
+    if (emitter->varies) rsv_note_place(view, towards, sample);
+}
+
 /// @param probability of having selected this one
 RSV_INLINE bool rsv_sample_emitter(const rsv_local_lights *local, uint32_t entry, float probability,
     float u1, float u2, rsv_light_sample *sample)
 {
-    sample->emitter = local->lights->sampled[entry];
-    sample->from_sky = false;
-    const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
     rsv_triangle_view view;
+    sample->emitter = local->lights->sampled[entry];
+    const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
     if (!rsv_view_emitter(emitter, local->point, &view)) return false;
-    rsv_double3 towards = rsv_sample_triangle(&view, u1, u2);
-    double distance = d3_length(towards);
-    sample->distance = (float)distance;
-    sample->direction = d3_to_float(d3_scale(towards, 1 / distance));
-    sample->radiance = sample->mean_radiance = emitter->radiance;
-    if (emitter->varies) rsv_note_place(&view, towards, sample);
+    rsv_sample_view(emitter, &view, u1, u2, sample);
+    sample->pdf_solid_angle =
+        (float)(probability * rsv_triangle_pdf(&view, sample->direction, sample->distance));
+    return true;
+}
+
+/// The same by area, for an emitter that is small beside its distance: that takes a fraction of the time.
+RSV_INLINE bool rsv_sample_far_emitter(const rsv_local_lights *local, uint32_t entry,
+    float probability, float u1, float u2, rsv_light_sample *sample)
+{
+    rsv_triangle_view view;
+    sample->emitter = local->lights->sampled[entry];
+    const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
+    if (!rsv_emitter_faces(emitter, local->point)) return false;
+    view.area_vector = rsv_emitter_area_vector(emitter);
+    for (int i = 0; i < 3; i++)
+        view.corner[i] = d3_between(local->point, emitter->corner[i]);
+    view.by_area = true;
+    rsv_sample_view(emitter, &view, u1, u2, sample);
     sample->pdf_solid_angle =
         (float)(probability * rsv_triangle_pdf(&view, sample->direction, sample->distance));
     return true;
