@@ -25,7 +25,8 @@ static const char help[] =
     "  --to vertex        light in COLOR_0; surfaces are subdivided where the light requires it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and in OUT.lightmap.exr\n"
     "  --to probes        a grid of spherical harmonics for moving objects: OUT.json, OUT.probes.bin\n"
-    "  -o OUT             the output file: .glb; for probes .json\n"
+    "  --to fog           light in fog, a 3-D texture of fluence: OUT.json, OUT.fog.ktx2\n"
+    "  -o OUT             the output file: .glb; for probes and fog .json\n"
     "  --basis            also write the contribution of each light to OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
     "  --operator         vertex, lightmap: also write OUT.operator.safetensors, for lights at run time\n"
@@ -102,6 +103,12 @@ typedef struct settings {
         .min = 32, .max = 65536, .goes_with = "--to=probes" }
 // clang-format on
 
+/// Of the whole space, not of surfaces.
+static bool is_volume(const char *target)
+{
+    return strcmp(target, "probes") == 0 || strcmp(target, "fog") == 0;
+}
+
 /// What the target makes of the output's name and of the other options.
 static bool check_target(const settings *s, int *exit_status)
 {
@@ -110,9 +117,9 @@ static bool check_target(const settings *s, int *exit_status)
         *exit_status = cli_usage_error("bake", "-o OUT%s is missing", extension);
     else if (!cli_ends_in(s->output, extension))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
-    else if (strcmp(s->target, "probes") == 0 && s->bake.operator_file)
+    else if (is_volume(s->target) && s->bake.operator_file)
         *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
-    else if (strcmp(s->target, "probes") == 0 &&
+    else if (is_volume(s->target) &&
              (s->bake.light_scale > 0 || s->bake.error != rsv_default_bake_desc().error))
         *exit_status =
             cli_usage_error("bake", "--error and --light-scale go with --to vertex or lightmap");
@@ -159,7 +166,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         "-o --to --basis --unlit --map-size --quality --error --env --checkpoint --dry-run" };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->target_index < 0) {
-        *exit_status = cli_usage_error("bake", "--to vertex, lightmap or probes is missing");
+        *exit_status = cli_usage_error("bake", "--to vertex, lightmap, probes or fog is missing");
         return false;
     }
     s->target = rsv_bake_target_names()[s->target_index];
@@ -167,7 +174,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 }
 
 /// What a target does not have is 0.
-static void print_report(const rsv_bake_report *r)
+static void print_report(const char *target, const rsv_bake_report *r)
 {
     if (r->vertices)
         printf("vertices    %zu, %zu triangles (of %zu)\n", r->vertices, r->triangles,
@@ -179,7 +186,7 @@ static void print_report(const rsv_bake_report *r)
             r->map_width, r->map_height, (double)r->density, r->charts, 100 * r->coverage,
             100 * r->largest_seam);
     if (r->probe_count[0])
-        printf("probes      %u x %u x %u, %zu valid\n", r->probe_count[0], r->probe_count[1],
+        printf("%-11s %u x %u x %u, %zu valid\n", target, r->probe_count[0], r->probe_count[1],
             r->probe_count[2], r->valid_probes);
     else if (r->light_scale > 0)
         printf("light scale %.4g W/(m2 sr) from white: irradiance %.4g W/m2\n",
@@ -278,7 +285,7 @@ static int bake(cli_session *session, settings *s, cli_subject *subject)
     if (status != RSV_OK) return cli_report_failure(session, status);
     cli_checkpoint_prune(&s->checkpoint);
     cli_progress_clear(&session->progress);
-    print_report(&report);
+    print_report(s->target, &report);
     bool written =
         !s->stats || write_stats(session, s, subject->solution, &report, cli_seconds() - solved);
     return written ? CLI_SUCCESS : CLI_FAILURE;
@@ -290,7 +297,6 @@ static int run(cli_session *session, settings *s)
     session->mesh = s->mesh;
     session->moment = s->moment;
     session->reading = s->reading;
-    session->clear_air = "a bake";
     session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);
@@ -303,7 +309,7 @@ static bool keeps_inputs(const settings *s)
 {
     static const char *const sides[] = { ".lightmap.exr", ".lightmap.ktx2", ".lightmap-x.exr",
         ".lightmap-y.exr", ".lightmap-z.exr", ".light.safetensors", ".operator.safetensors",
-        ".probes.bin" };
+        ".probes.bin", ".fog.ktx2" };
     const char *const given[] = { s->scene, s->mesh, s->environment.path, s->stats };
     size_t stem = strlen(s->output) - strlen(strrchr(s->output, '.'));
     char side[4096];

@@ -284,7 +284,6 @@ static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
     open_animation(v);
-    v->session->clear_air = "the viewer";
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     v->session->moment = CLI_AT_REST; // of the scene alone
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;

@@ -339,10 +339,6 @@ rsv_scene *cli_open_scene(
     double started = cli_seconds();
     bool is_file = access(name, F_OK) == 0 && !session->mesh;
     if (environment && !cli_read_fog(&environment->fog, &fog)) return NULL;
-    if (session->clear_air && environment && environment->fog.medium) {
-        cli_error("--fog: %s does not support fog; leave it out", session->clear_air);
-        return NULL;
-    }
     if (!read_luminaires(session)) return NULL;
     if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
     if (!read_scene(session, name, is_file, &scene)) return NULL;

@@ -47,9 +47,7 @@ typedef struct cli_session {
     cli_reading reading;
     rsv_load_luminaire luminaire[CLI_LIST_CAPACITY]; ///< of the reading; names are owned
     size_t luminaire_count;
-    bool keep_document; ///< scenes are to keep the glTF file that they come from
-    const char
-        *clear_air; ///< what the command makes, if it leaves fog out: "a bake"; NULL = it does not
+    bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far
@@ -137,11 +135,10 @@ typedef struct cli_environment {
       .goes_with = "--fog" }
 // clang-format on
 
-#define CLI_FOG_HELP                                                                                     \
-    "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n"   \
-    "                     cosine G of the scattering angle (default 0); E and A may be R:G:B. Not for\n" \
-    "                     bake and view\n"                                                               \
-    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n"   \
+#define CLI_FOG_HELP                                                                                   \
+    "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n" \
+    "                     cosine G of the scattering angle (default 0); E and A may be R:G:B\n"        \
+    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n" \
     "                     --mode reference\n"
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.

@@ -26,10 +26,11 @@ RSV_API rsv_plan_desc rsv_default_plan_desc(void);
 typedef struct rsv_picture_plan {
     rsv_render_mode mode; ///< RSV_RENDER_REFERENCE where there was no time for a solution
     uint32_t element_target, rays_per_element, refinements; ///< of the last solution
-    bool goal;             ///< elements were spent on what the camera sees
-    uint32_t rounds;       ///< solutions that were made
-    uint32_t samples;      ///< camera rays per pixel
-    double noise;          ///< estimated relative MSE by camera samples
+    bool goal;        ///< elements were spent on what the camera sees
+    bool gathers;     ///< indirect light is found by a gather ray per camera ray, not looked up
+    uint32_t rounds;  ///< solutions that were made
+    uint32_t samples; ///< camera rays per pixel
+    double noise;     ///< estimated relative MSE by camera samples
     double elements_error; ///< likewise by elements and their rays; NAN = it was not looked at
     bool is_reached;       ///< whether the estimates keep to the wanted error
 } rsv_picture_plan;

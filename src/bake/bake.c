@@ -63,7 +63,6 @@ rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *out
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "bake: '%s' does not end in %s", output, target->extension);
     rsv_status status = rsv_bake_check_desc(desc);
-    if (status == RSV_OK) status = rsv_light_refuse_fog(rsv_light_get_view(solution), "a bake");
     if (status != RSV_OK) return status;
     return target->write(rsv_light_get_view(solution), desc, output, report);
 }

@@ -8,7 +8,7 @@ static bool find_place(const rsv_light_view *s, uint32_t node, rsv_surface_point
 {
     const rsv_elements *e = s->elements;
     uint16_t valid = s->valid_points[node];
-    if (!valid || e->node_hanging[node] != RSV_NONE) return false;
+    if (!valid || e->node_hanging[node] != RSV_NONE || e->node_face[node] == RSV_NONE) return false;
     rsv_support_point points[RSV_SUPPORT_POINTS];
     rsv_elements_sample_support(e, node, RSV_SUPPORT_POINTS, s->desc.seed, points);
     const rsv_support_point *p = &points[__builtin_ctz(valid)];

@@ -54,15 +54,16 @@ static void describe(uint32_t word[DESCRIPTOR_WORDS])
     }
 }
 
-static void write_head(rsv_atomic_file *file, uint32_t width, uint32_t height)
+/// @param depth 0 = a flat map
+static void write_head(rsv_atomic_file *file, uint32_t width, uint32_t height, uint32_t depth)
 {
     static const uint8_t identifier[12] = { 0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n',
         0x1a, '\n' };
-    const uint32_t bytes = 4 * width * height;
+    const uint32_t bytes = 4 * width * height * (depth ? depth : 1);
     uint32_t descriptor[DESCRIPTOR_WORDS];
-    const uint32_t rest[HEADER_WORDS - 3 + LEVEL_WORDS] = { VK_FORMAT_E5B9G9R9, 4, width, height, 0,
-        0, 1, 1, 0, DESCRIPTOR_AT, 4 * DESCRIPTOR_WORDS, 0, 0, 0, 0, 0, 0, TEXELS_AT, 0, bytes, 0,
-        bytes, 0 };
+    const uint32_t rest[HEADER_WORDS - 3 + LEVEL_WORDS] = { VK_FORMAT_E5B9G9R9, 4, width, height,
+        depth, 0, 1, 1, 0, DESCRIPTOR_AT, 4 * DESCRIPTOR_WORDS, 0, 0, 0, 0, 0, 0, TEXELS_AT, 0,
+        bytes, 0, bytes, 0 };
     describe(descriptor);
     rsv_atomic_file_append(file, identifier, sizeof identifier);
     rsv_atomic_file_append(file, rest, sizeof rest);
@@ -72,15 +73,21 @@ static void write_head(rsv_atomic_file *file, uint32_t width, uint32_t height)
 rsv_status rsv_bake_write_ktx2(
     rsv_context *context, const char *path, uint32_t width, uint32_t height, const rsv_rgb *texel)
 {
+    return rsv_bake_write_ktx2_volume(context, path, (const uint32_t[]){ width, height, 0 }, texel);
+}
+
+rsv_status rsv_bake_write_ktx2_volume(
+    rsv_context *context, const char *path, const uint32_t size[3], const rsv_rgb *texel)
+{
     rsv_atomic_file file = { .descriptor = -1 };
-    size_t count = (size_t)width * height;
+    size_t count = (size_t)size[0] * size[1] * (size[2] ? size[2] : 1);
     uint32_t *code = rsv_alloc(context, count, sizeof *code);
     if (!code) return RSV_ERROR_MEMORY;
     rsv_status status = rsv_atomic_file_open(&file, path);
     if (status == RSV_OK) {
         for (size_t k = 0; k < count; k++)
             code[k] = rsv_rgb9e5(texel[k]);
-        write_head(&file, width, height);
+        write_head(&file, size[0], size[1], size[2]);
         rsv_atomic_file_append(&file, code, count * sizeof *code);
         status = rsv_atomic_file_commit(&file);
     }

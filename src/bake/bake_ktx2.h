@@ -14,4 +14,8 @@ uint32_t rsv_rgb9e5(rsv_rgb color);
 rsv_status rsv_bake_write_ktx2(
     rsv_context *context, const char *path, uint32_t width, uint32_t height, const rsv_rgb *texel);
 
+/// The same of a 3-D texture. @param size along x, y, z; z = 0: a flat one @param texel [z][y][x]
+rsv_status rsv_bake_write_ktx2_volume(
+    rsv_context *context, const char *path, const uint32_t size[3], const rsv_rgb *texel);
+
 #endif

@@ -38,9 +38,10 @@ static bool is_known(const surrounding *s, uint32_t node)
     return false;
 }
 
+/// Of a surface, and by itself.
 static bool is_free(const rsv_elements *e, uint32_t node)
 {
-    return e->node_hanging[node] == RSV_NONE;
+    return e->node_hanging[node] == RSV_NONE && e->node_face[node] != RSV_NONE;
 }
 
 static void add_neighbours(const rsv_elements *e, uint32_t of, surrounding *s)

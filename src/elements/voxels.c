@@ -292,8 +292,8 @@ static plane_walk planes_ahead(double origin, double direction, double size, dou
     return (plane_walk){ (plane * size - origin) / direction, size / fabs(direction) };
 }
 
-void rsv_voxels_walk(const rsv_voxels *v, const rsv_tracer *tracer, const rsv_ray *ray,
-    const double range[2], rsv_voxel_visitor visit, void *user)
+void rsv_voxels_walk_cells(const rsv_voxels *v, const rsv_ray *ray, const double range[2],
+    rsv_voxel_cell_visitor visit, void *user)
 {
     rsv_vec3 o = v3_sub(ray->origin, v->low), d = ray->direction;
     double at = range[0];
@@ -305,10 +305,36 @@ void rsv_voxels_walk(const rsv_voxels *v, const rsv_tracer *tracer, const rsv_ra
         double end = fmin(axis[first].next, range[1]);
         axis[first].next += axis[first].step;
         if (!(end > at)) continue;
-        rsv_vec3 middle = v3_mad(ray->origin, (float)(0.5 * (at + end)), d);
-        visit(user, rsv_voxels_find(v, tracer, middle), at, end);
+        visit(user, cell_of(v, v3_mad(ray->origin, (float)(0.5 * (at + end)), d)), at, end);
         at = end;
     }
+}
+
+typedef struct voxel_walk {
+    const rsv_voxels *voxels;
+    const rsv_tracer *tracer;
+    const rsv_ray *ray;
+    rsv_voxel_visitor visit;
+    void *user;
+} voxel_walk;
+
+static void visit_voxel(void *user, size_t cell, double begin, double end)
+{
+    const voxel_walk *w = user;
+    const rsv_voxels *v = w->voxels;
+    uint32_t voxel = v->begin[cell];
+    if (is_cut(v, cell)) {
+        rsv_vec3 middle = v3_mad(w->ray->origin, (float)(0.5 * (begin + end)), w->ray->direction);
+        voxel = find_part(v, w->tracer, cell, middle);
+    }
+    w->visit(w->user, voxel, begin, end);
+}
+
+void rsv_voxels_walk(const rsv_voxels *v, const rsv_tracer *tracer, const rsv_ray *ray,
+    const double range[2], rsv_voxel_visitor visit, void *user)
+{
+    voxel_walk walk = { v, tracer, ray, visit, user };
+    rsv_voxels_walk_cells(v, ray, range, visit_voxel, &walk);
 }
 
 uint32_t rsv_elements_find_voxel(const rsv_elements *e, const rsv_tracer *tracer, rsv_vec3 place)

@@ -57,6 +57,13 @@ rsv_vec3 rsv_voxel_place(const rsv_voxels *voxels, uint32_t voxel, const float u
 /// The voxel of a place that light comes to through the air.
 uint32_t rsv_voxels_find(const rsv_voxels *voxels, const rsv_tracer *tracer, rsv_vec3 place);
 
+/// A piece of a ray within one cell of the grid. @param begin, end metres along the ray
+typedef void (*rsv_voxel_cell_visitor)(void *user, size_t cell, double begin, double end);
+
+/// Visits the cells along a ray between two distances, in order. @param ray of unit direction
+void rsv_voxels_walk_cells(const rsv_voxels *voxels, const rsv_ray *ray, const double range[2],
+    rsv_voxel_cell_visitor visit, void *user);
+
 /// A piece of a ray within one voxel. @param begin, end metres along the ray
 typedef void (*rsv_voxel_visitor)(void *user, uint32_t voxel, double begin, double end);
 

@@ -17,6 +17,7 @@ struct rsv_frame_renderer {
     rsv_light_table table;
     rsv_glossy_materials materials;
     const rsv_mover *mover; ///< NULL = none
+    rsv_fog_shine shine;    ///< of fog; no solution = the air is clear
     rsv_specular_media media;
     rsv_clearances clearances;
     rsv_beams beams;
@@ -67,6 +68,24 @@ static rsv_status create_eyes(rsv_frame_renderer *r)
     return RSV_OK;
 }
 
+/// Fog before each eye, where there is any.
+static rsv_status create_fog(rsv_frame_renderer *r)
+{
+    const rsv_fog *fog = r->solution->scene.view->fog;
+    rsv_status status = RSV_OK;
+    if (!fog) return RSV_OK;
+    if (fog->anisotropy != 0)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "fog: frames show fog that scatters evenly, with G = 0, not %g; leave out G",
+            (double)fog->anisotropy);
+    RSV_TRY(rsv_fog_shine_create(r->solution, &r->shine));
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        RSV_TRY(rsv_fog_front_create(r->context, r->desc.width, r->desc.height, &r->eye[k].fog));
+    r->tiling.shine = &r->shine;
+cleanup:
+    return status;
+}
+
 static bool reuses_gloss(const rsv_frame_renderer *r) { return r->table.glossy != NULL; }
 
 static rsv_status create_gloss(rsv_frame_renderer *r)
@@ -89,7 +108,7 @@ static rsv_status create_gloss(rsv_frame_renderer *r)
 static bool improves_at_rest(const rsv_frame_renderer *r)
 {
     bool final = r->desc.rest == RSV_REST_FINAL && !rsv_context_device(r->context);
-    return final || reuses_gloss(r);
+    return (final || reuses_gloss(r)) && !r->tiling.shine;
 }
 
 static rsv_status create_rest(rsv_frame_renderer *r)
@@ -143,7 +162,7 @@ static rsv_status create_table(rsv_frame_renderer *r)
 {
     const rsv_light_view *s = r->solution;
     bool reuses = r->desc.gloss == RSV_GLOSS_REUSED && !rsv_context_device(r->context) &&
-                  rsv_any_glossy(&s->scene);
+                  rsv_any_glossy(&s->scene) && !r->tiling.shine;
     if (!reuses) return rsv_light_table_create(s, NULL, &r->table);
     rsv_status status =
         rsv_glossy_materials_create(r->context, &s->scene, s->diffused.material, &r->materials);
@@ -175,7 +194,6 @@ rsv_status rsv_frame_renderer_create(
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_frame_desc settings = desc ? *desc : rsv_default_frame_desc();
     rsv_status status = check_desc(&settings);
-    if (status == RSV_OK) status = rsv_light_refuse_fog(solution, "a frame");
     if (status != RSV_OK) return status;
     rsv_frame_renderer *r = rsv_alloc(solution->context, 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
@@ -184,13 +202,14 @@ rsv_status rsv_frame_renderer_create(
     r->desc = settings;
     set_tiling(r);
     RSV_TRY(create_eyes(r));
+    RSV_TRY(create_fog(r));
     RSV_TRY(create_table(r));
     RSV_TRY(create_gloss(r));
     RSV_TRY(create_rest(r));
     RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(create_shortcuts(r));
     RSV_TRY(create_workers(r));
-    RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
+    if (!r->tiling.shine) RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
     return RSV_OK;
 cleanup:
@@ -215,7 +234,9 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].squares);
         rsv_free(r->context, r->eye[k].given);
         rsv_glossy_cells_destroy(&r->eye[k].cells);
+        rsv_fog_front_destroy(r->context, &r->eye[k].fog);
     }
+    rsv_fog_shine_destroy(&r->shine);
     rsv_frame_device_destroy(r->device);
     rsv_clearances_destroy(&r->clearances);
     rsv_specular_media_destroy(&r->media);
@@ -289,6 +310,19 @@ static void begin_cells(rsv_frame_renderer *r)
     for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
         rsv_eye_picture *e = &r->eye[k];
         rsv_glossy_cells_begin(&e->cells, &e->aim.lens, e->samples > 0);
+    }
+}
+
+/// Fog before the eyes.
+static void begin_fog(rsv_frame_renderer *r)
+{
+    if (!r->tiling.shine) return;
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
+        rsv_eye_picture *e = &r->eye[k];
+        rsv_fog_front_begin(&e->fog, &r->shine, &e->camera, r->tiling.width, r->tiling.height);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(r->thread_count)
+        for (uint32_t row = 0; row < e->fog.down; row++)
+            rsv_fog_front_fill(&e->fog, &r->shine, &e->aim.lens, row);
     }
 }
 
@@ -414,6 +448,7 @@ static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
         begin_eyes(r, view);
     }
     begin_cells(r);
+    begin_fog(r);
     for_tiles(r, rsv_tile_render);
     finish_gloss(r);
     share_rest(r);
@@ -478,6 +513,7 @@ void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
     if (layer == r->table.layer) return;
     forget_gloss(r, 1);
     rsv_light_table_bake(&r->table, layer);
+    if (r->tiling.shine) rsv_fog_shine_refresh(&r->shine, layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);
 }
@@ -495,6 +531,7 @@ void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
         rsv_specular_light_refresh(&r->worker[k].queue.light);
     if (r->table.glossy) rsv_glossy_materials_refresh(&r->materials);
     forget_gloss(r, rsv_light_table_bake(&r->table, r->table.layer));
+    if (r->tiling.shine) rsv_fog_shine_refresh(&r->shine, r->table.layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);
 }

@@ -87,6 +87,48 @@ static void begin_paths(const tile *t, uint32_t column, uint32_t row, uint32_t s
     rsv_specular_queue_arrive(&w->queue, &arrival, lanes);
 }
 
+/// In fog, paths are followed one by one: the queue knows clear air alone.
+static void follow_in_fog(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
+{
+    rsv_tile_worker *w = t->worker;
+    rsv_specular_light *light = &w->queue.light;
+    const rsv_ray_packet *p = &w->packet[stage];
+    for (uint32_t k = 0; k < RSV_LANES; k++) {
+        uint32_t x = column + k % RSV_BLOCK, y = row + k / RSV_BLOCK;
+        light->pixel = pixel_of(column, row, k);
+        w->depth[light->pixel] = p->triangle[k] == RSV_NONE ? INFINITY : p->t_max[k];
+        if (!(w->begins[stage] >> k & 1) || x >= t->width || y >= t->height) continue;
+        memset(w->radiance[light->pixel], 0, sizeof *w->radiance);
+        rsv_vec3 direction = v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]);
+        if (p->triangle[k] == RSV_NONE) {
+            rsv_add_sky(light, direction, rgb_gray(1));
+            continue;
+        }
+        rsv_specular_path path =
+            rsv_specular_begin(light->scene, &t->eye->medium, direction, rsv_packet_hit(p, k));
+        rsv_specular_set_spread(&path, t->eye->spread, p->t_max[k]);
+        light->trail = path_of(t, light->pixel);
+        path.length = 0; // the fog up to there is added last
+        rsv_add_whole_path(light, &path);
+    }
+}
+
+/// Puts the fog before what the pixels show.
+static void add_fog(const tile *t)
+{
+    rsv_tile_worker *w = t->worker;
+    const rsv_frame_aim *aim = &t->eye->aim;
+    if (!t->tiling->shine || t->eye->medium.depth) return;
+    for (uint32_t y = 0; y < t->height; y++)
+        for (uint32_t x = 0; x < t->width; x++) {
+            const float place[2] = { (float)(t->column + x) + aim->place_x,
+                (float)(t->row + y) + aim->place_y };
+            uint32_t pixel = y * RSV_TILE + x;
+            rsv_fog_front_add(
+                &t->eye->fog, t->tiling->shine, place, w->depth[pixel], w->radiance[pixel]);
+        }
+}
+
 /// Puts the object before what a block shows, and its shadow on it.
 static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
@@ -218,7 +260,10 @@ static void look_up_block(const tile *t, uint32_t block)
             w->glossy[stage], w->radiance + first, (rsv_glossy_block){ &w->gloss, first });
     }
     if (t->tiling->mover) show_mover(t, column, row, stage);
-    if (w->begins[stage]) begin_paths(t, column, row, stage);
+    if (t->tiling->shine)
+        follow_in_fog(t, column, row, stage);
+    else if (w->begins[stage])
+        begin_paths(t, column, row, stage);
     if (w->whole) rest_block(t, column, row, stage);
 }
 
@@ -339,6 +384,7 @@ void rsv_tile_render(
     approach_pixels(&t);
     gather_beam(&t);
     w->queue.light.mover = tiling->mover;
+    w->queue.light.shine = tiling->shine;
     w->queue.light.gloss = tiling->table->glossy ? &w->gloss : NULL;
     w->queue.light.eye = eye->camera.position;
     w->queue.light.parallel = eye->camera.vertical_fov == 0;
@@ -349,6 +395,7 @@ void rsv_tile_render(
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_specular_queue_run(&w->queue);
+    add_fog(&t);
     double followed = rsv_seconds();
     bool waits = eye->lobes && leave_gloss(&t, index);
     double left = rsv_seconds();

@@ -2,6 +2,7 @@
 #ifndef RSV_FRAME_TILE_H
 #define RSV_FRAME_TILE_H
 
+#include "fog_front.h"
 #include "glossy_rays.h"
 #include "resting.h"
 #include "specular_queue.h"
@@ -24,6 +25,7 @@ typedef struct rsv_tile_worker {
     rsv_glossy_rays rays;
     rsv_resting_paths *whole; ///< of the tile in hand; NULL = none
     rsv_resting_tile *resting;
+    float depth[RSV_TILE_PIXELS]; ///< where there is fog: metres to what camera rays met
     double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 
@@ -49,6 +51,7 @@ typedef struct rsv_eye_picture {
     rsv_medium medium;     ///< the camera's
     uint8_t medium_number; ///< in the list of media
     float spread;
+    rsv_fog_front fog; ///< before it; slice NULL = the air is clear
 } rsv_eye_picture;
 
 /// What all tiles have in common.
@@ -64,7 +67,8 @@ typedef struct rsv_tiling {
     uint32_t seed;
     bool final; ///< whole paths are those of mode final
     rsv_glossy_shading shading;
-    const rsv_mover *mover; ///< of the frame in the making; NULL = none
+    const rsv_mover *mover;     ///< of the frame in the making; NULL = none
+    const rsv_fog_shine *shine; ///< NULL = the air is clear
 } rsv_tiling;
 
 rsv_status rsv_tile_worker_create(

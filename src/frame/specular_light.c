@@ -126,9 +126,20 @@ void rsv_note_gloss(rsv_specular_light *l, const rsv_specular_path *path,
     g->count++;
 }
 
+/// What voxels show along a segment.
+static rsv_rgb cross_fog(void *light, const rsv_ray *ray, rsv_rgb throughput, uint32_t trail)
+{
+    rsv_specular_light *l = light;
+    rsv_rgb passed, shown = rsv_fog_shine_along(l->shine, ray, &passed);
+    (void)trail;
+    rsv_add_light(l, rgb_mul(throughput, shown));
+    return passed;
+}
+
 void rsv_add_whole_path(rsv_specular_light *l, const rsv_specular_path *path)
 {
-    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false, NULL };
+    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false,
+        l->shine ? cross_fog : NULL };
     rsv_rgb found = rsv_camera_path(&setting, *path, l->trail, NULL, rsv_add_diffuse_end, l);
     if (rsv_shows_emission(l->table)) rsv_add_light(l, found);
 }

@@ -4,6 +4,7 @@
 
 #include "../mover/mover.h"
 #include "../specular/specular_path.h"
+#include "fog_front.h"
 #include "glossy_tile.h"
 #include "light_table.h"
 #include "packet_kernels.h"
@@ -14,7 +15,8 @@ typedef struct rsv_specular_light {
     const rsv_lights *lights;
     rsv_sky sky;
     uint32_t max_events;
-    const rsv_mover *mover; ///< NULL = none
+    const rsv_mover *mover;     ///< NULL = none
+    const rsv_fog_shine *shine; ///< NULL = the air is clear
     rsv_glossy_tile
         *gloss;    ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
     rsv_vec3 eye;  ///< of the camera

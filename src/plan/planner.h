@@ -20,6 +20,8 @@ typedef struct rsv_planner {
     double uncertainty;         ///< standard error of plan.elements_error
     uint32_t passes;
     rsv_sample_sum sum;
+    rsv_sample_sum
+        gathered; ///< passes with one gather ray per camera ray: the last look at elements
     rsv_picture_plan plan;
 } rsv_planner;
 

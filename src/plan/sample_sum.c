@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-/// Squared errors of stratified pixels fall with this power of the samples at least: edges with 1.5, noise of lights with 1.
-#define FALL 1.2
 /// Sparks count as much as edges of a bright window do.
 #define MOST_OF_A_PIXEL 4
 
@@ -50,19 +48,19 @@ rsv_status rsv_sample_sum_add(
     return status;
 }
 
-double rsv_sample_sum_noise(const rsv_sample_sum *sum)
+double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
     const rsv_pixel_error_desc each = { MOST_OF_A_PIXEL, 0, false };
     double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
-    return 0.25 * square * pow(more, -FALL);
+    return 0.25 * square * pow(more, -fall);
 }
 
-uint32_t rsv_samples_for(double noise, uint32_t samples, double wanted, uint32_t most)
+uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t most)
 {
-    double needed = ceil((double)samples * pow(noise / wanted, 1 / FALL));
+    double needed = ceil((double)samples * pow(excess, 1 / fall));
     return needed <= 1 ? 1 : needed < (double)most ? (uint32_t)needed : most;
 }
 

@@ -76,7 +76,7 @@ static rsv_status take_passes(rsv_planner *p, double seconds)
         double now = now_of(p);
         of_one = (now - before) / samples;
         before = now;
-        if (pass >= 1) p->plan.noise = rsv_sample_sum_noise(&p->sum);
+        if (pass >= 1) p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
         if (p->plan.noise <= p->wanted) return RSV_OK;
     }
 }

@@ -1,5 +1,6 @@
 /// Frames of whatever a file may hold: never a number that is none, and at rest as bright as mode final.
 #include "frame_fixture.h"
+#include "slow_tests.h"
 
 /// A closed room with a lamp below its ceiling, seen from one end.
 static world *room_of(rsv_material walls, rsv_vec3 eye)
@@ -271,18 +272,18 @@ static void frames_may_be_made_smaller(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(roughness_may_be_noise_or_nothing),
         cmocka_unit_test(roughness_may_be_no_number),
         cmocka_unit_test(normals_may_point_below_the_surface),
-        cmocka_unit_test(a_room_may_be_all_metal),
         cmocka_unit_test(mirrors_may_face_each_other),
         cmocka_unit_test(the_camera_may_be_inside_an_object),
         cmocka_unit_test(there_may_be_a_thousand_lamps),
         cmocka_unit_test(windows_may_be_of_any_size),
         cmocka_unit_test(frames_may_be_made_smaller),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = { cmocka_unit_test(a_room_may_be_all_metal) };
+    return RUN_HALF(argc, argv, quick, longest);
 }

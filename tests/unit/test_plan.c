@@ -161,11 +161,13 @@ static void impossible_wishes_are_refused(void **state)
 static void samples_follow_the_noise(void **state)
 {
     (void)state;
-    assert_int_equal(rsv_samples_for(0, 4, 0.005, 100), 1);
-    assert_int_equal(rsv_samples_for(0.005, 4, 0.005, 100), 4);
-    assert_true(rsv_samples_for(0.02, 4, 0.005, 100) > 8);
-    assert_true(rsv_samples_for(0.02, 4, 0.005, 100) <= 16);
-    assert_int_equal(rsv_samples_for(1, 4, 1e-9, 100), 100);
+    const double stratified = RSV_STRATIFIED_FALL, gathered = RSV_GATHERED_FALL;
+    assert_int_equal(rsv_samples_for(0, 4, stratified, 100), 1);
+    assert_int_equal(rsv_samples_for(1, 4, stratified, 100), 4);
+    assert_true(rsv_samples_for(4, 4, stratified, 100) > 8);
+    assert_true(rsv_samples_for(4, 4, stratified, 100) < 16);
+    assert_int_equal(rsv_samples_for(4, 4, gathered, 100), 16);
+    assert_int_equal(rsv_samples_for(1e9, 4, stratified, 100), 100);
 }
 
 /// A picture without error beside two gathered ones: all alike but for sparks that bring a part of the light.
@@ -209,6 +211,82 @@ static void sparks_of_gathering_are_no_error(void **state)
     world_end(w);
 }
 
+/// How much more stored pictures err than 5x5 pixels show, by what is wrong with a pixel.
+static double averaged_away(const world *w, bool (*is_wrong)(uint32_t x, uint32_t y), double *error)
+{
+    enum { side = 256 };
+    rsv_image *stored, *truth;
+    assert_int_equal(rsv_image_create(w->context, side, side, 1, &stored), RSV_OK);
+    assert_int_equal(rsv_image_create(w->context, side, side, 1, &truth), RSV_OK);
+    for (uint32_t i = 0; i < side * side; i++) {
+        rsv_image_pixels(truth, 0)[i] = rgb_gray(1);
+        rsv_image_pixels(stored, 0)[i] = rgb_gray(is_wrong(i % side, i / side) ? 1.02f : 1);
+    }
+    const rsv_image *const a[2] = { stored, stored }, *const b[2] = { truth, truth };
+    const rsv_pixel_error_desc desc = { 4, 2, true };
+    double uncertainty;
+    *error = rsv_pixel_error(a, b, desc, &uncertainty);
+    double factor = rsv_pixel_error_averaged_away(a, b, desc, *error, uncertainty);
+    rsv_image_destroy(stored);
+    rsv_image_destroy(truth);
+    return factor;
+}
+
+static bool is_anywhere(uint32_t x, uint32_t y) { return x + y < UINT32_MAX; }
+static bool is_on_line(uint32_t x, uint32_t y) { return x % 16 == 8 && y < UINT32_MAX; }
+static bool is_point(uint32_t x, uint32_t y) { return x % 16 == 8 && y % 16 == 8; }
+
+/// Averages over squares of five pixels leave all of an even error, a fifth of what lies along lines, a 25th of points.
+static void what_averages_leave_out_is_counted(void **state)
+{
+    (void)state;
+    static bool (*const wrong[])(uint32_t, uint32_t) = { is_anywhere, is_on_line, is_point };
+    static const double share[] = { 1, 1 / 16.0, 1 / 256.0 }, factor[] = { 1, 5, 25 };
+    world *w = world_begin(1);
+    for (int k = 0; k < 3; k++) {
+        double error, found = averaged_away(w, wrong[k], &error);
+        print_message("%d: %.3f, error %.3g\n", k, found, found * error);
+        assert_close(found, factor[k], 0.1 * factor[k]);
+        assert_close(found * error, share[k] * 0.02 * 0.02, 0.1 * share[k] * 0.02 * 0.02);
+    }
+    world_end(w);
+}
+
+/// A solution with too few elements is gathered through where that is what an error takes.
+static void coarse_solutions_are_gathered_through(void **state)
+{
+    (void)state;
+    enum { size = 48 };
+    static const uint32_t layers[2] = { 0 };
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_image *judge[2] = { path_traced(w, size, 256, 7), path_traced(w, size, 256, 8) };
+    const rsv_image *const pair[2] = { judge[0], judge[1] };
+    rsv_render_desc picture = picture_desc(size);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    rsv_solve_desc coarse = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    planned p = { .light = NULL };
+    rsv_image_judgement found;
+    coarse.element_target = 100;
+    coarse.contact_share = 0.01f;
+    coarse.refinements = 0;
+    coarse.direct_level = false;
+    desc.relative_error = 0.04;
+    assert_int_equal(rsv_light_create(w->scene, &coarse, &p.light), RSV_OK);
+    assert_int_equal(
+        rsv_render_planned(w->scene, &desc, &picture, &p.light, &p.image, &p.plan), RSV_OK);
+    assert_int_equal(rsv_image_judge(pair, layers, p.image, 0, &found), RSV_OK);
+    double error = sqrt(found.relative_mse + 2 * found.relative_mse_error);
+    print_message("wanted 0.04: %.4f, %u samples, by elements %.4f\n", error, p.plan.samples,
+        sqrt(p.plan.elements_error));
+    assert_true(p.plan.gathers);
+    assert_true(p.plan.is_reached);
+    assert_true(error <= 1.25 * desc.relative_error);
+    rsv_image_destroy(judge[0]);
+    rsv_image_destroy(judge[1]);
+    destroy(&p);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -217,9 +295,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_solution_that_is_there_is_used),
         cmocka_unit_test(impossible_wishes_are_refused),
         cmocka_unit_test(samples_follow_the_noise),
+        cmocka_unit_test(what_averages_leave_out_is_counted),
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(a_picture_errs_as_much_as_was_asked_for),
+        cmocka_unit_test(coarse_solutions_are_gathered_through),
         cmocka_unit_test(a_limit_of_time_always_has_a_picture),
     };
     return RUN_HALF(argc, argv, tests, longest);

@@ -114,7 +114,7 @@ foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_si
         plan random_scenes shadows update)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution probe_errors random_certificates random_scenes rough_box solve)
+foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input probe_errors random_certificates random_scenes rough_box solve)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)
