@@ -6,6 +6,7 @@
 #include "resolvent/certify.h"
 
 #define SEED_OF_GOAL 0x94d049bbu
+#define SEED_OF_PHOTONS 0x3f84d5b5u
 /// Rays each way that weigh what is seen.
 #define SIDE 256
 /// Part of the points that are spread evenly, lest a spot of no importance on elements have some in truth.
@@ -17,7 +18,8 @@ typedef struct goal_job {
     uint32_t seed;
     rsv_rgb *importance; ///< [node_count] z per area
     rsv_point_density density;
-    double *term; ///< [desc.samples] (z r) / density of the point
+    rsv_caustic_judge judge; ///< of caustics that no gather ray can find
+    double *term;            ///< [desc.samples] (z r) / density of the point
 } goal_job;
 
 /// Of z in a cell, per area.
@@ -33,6 +35,25 @@ static double importance_of(const void *user, uint32_t cell)
     return sum / 3;
 }
 
+static rsv_face_point draw_point(const goal_job *job, uint32_t k, double *weight)
+{
+    return rsv_point_density_draw(&job->density, k, job->desc.samples, job->seed, weight);
+}
+
+static rsv_status judge_caustics(goal_job *job)
+{
+    uint64_t rays = 0;
+    double weight;
+    if (!rsv_has_unseen_caustics(job->solution)) return RSV_OK;
+    rsv_status status = rsv_caustic_judge_create(job->solution, &job->judge);
+    if (status != RSV_OK) return status;
+    for (uint32_t k = 0; k < job->desc.samples; k++) {
+        rsv_face_point point = draw_point(job, k, &weight);
+        rsv_caustic_judge_add(&job->judge, &point);
+    }
+    return rsv_caustic_judge_shoot(&job->judge, rsv_hash2(job->seed, SEED_OF_PHOTONS), &rays);
+}
+
 static double measure_term(const goal_job *job, const rsv_visible_surface *visible,
     const rsv_residual_job *residual, uint32_t k)
 {
@@ -40,8 +61,7 @@ static double measure_term(const goal_job *job, const rsv_visible_surface *visib
     uint64_t rays = 0;
     uint32_t stream = rsv_hash3(job->seed, k, 0x2ab1u);
     double weight;
-    rsv_face_point point =
-        rsv_point_density_draw(&job->density, k, job->desc.samples, job->seed, &weight);
+    rsv_face_point point = draw_point(job, k, &weight);
     if (rsv_point_is_buried(visible, &point, stream, &rays)) return 0;
     rsv_residual r = rsv_residual_at(residual, &point, stream);
     rsv_rgb z =
@@ -55,6 +75,7 @@ static rsv_status measure_terms(goal_job *job)
     rsv_context *context = job->solution->context;
     rsv_residual_job residual =
         rsv_residual_job_of(job->solution, job->desc.gather_rays, job->desc.light_samples);
+    residual.judge = job->judge.solution ? &job->judge : NULL;
     rsv_visible_surface visible =
         rsv_visible_surface_of(&job->solution->scene, job->solution->elements);
 #pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context))
@@ -122,12 +143,14 @@ static rsv_status certify_aim(const rsv_light_view *s, const rsv_certify_desc *d
     RSV_TRY(job.importance && job.term ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(find_importance(&job, aim, certificate));
     RSV_TRY(rsv_point_density_create(s->elements, EVEN_SHARE, importance_of, &job, &job.density));
+    RSV_TRY(judge_caustics(&job));
     RSV_TRY(measure_terms(&job));
     rsv_moments error = rsv_moments_of(job.term, job.desc.samples);
     certificate->error = error.mean;
     certificate->error_ci95[0] = error.ci95[0], certificate->error_ci95[1] = error.ci95[1];
 cleanup:
     rsv_free(s->context, job.importance);
+    rsv_caustic_judge_destroy(&job.judge);
     rsv_point_density_destroy(&job.density);
     rsv_free(s->context, job.term);
     return status;

@@ -6,6 +6,7 @@
 #include "error_field.h"
 
 #define SEED_OF_PIXELS 0x51ed270bu
+#define SEED_OF_PHOTONS 0x7c3a92d1u
 /// Averages reach so many pixels each way ...
 #define REACH 5
 /// ... over surfaces of one material whose normals agree so far (cosine).
@@ -14,6 +15,7 @@
 
 /// What one pixel shows.
 typedef struct heat_pixel {
+    rsv_face_point point;
     double squared; ///< e_a e_b, luminance
     rsv_vec3 normal;
     uint32_t material; ///< RSV_NONE = nothing diffuse
@@ -25,7 +27,8 @@ typedef struct heat_job {
     rsv_heat_map_desc desc;
     const rsv_camera *camera;
     rsv_residual_job residual;
-    rsv_medium medium; ///< the camera's
+    rsv_caustic_judge judge; ///< of caustics that no gather ray can find
+    rsv_medium medium;       ///< the camera's
     uint32_t seed;
     heat_pixel *pixel; ///< [height * width]
 } heat_job;
@@ -77,24 +80,53 @@ static double reflected_luminance(const heat_job *job, int half, const rsv_face_
     return 2 * sum / RSV_SAMPLE_SETS;
 }
 
-static heat_pixel measure_pixel(const heat_job *job, uint32_t x, uint32_t y)
+static heat_pixel place_pixel(const heat_job *job, uint32_t x, uint32_t y)
 {
     const rsv_elements *e = job->solution->elements;
     heat_pixel pixel = { .material = RSV_NONE };
-    rsv_face_point point;
-    if (!find_surface(job, x, y, &point)) return pixel;
-    uint32_t triangle = e->face_triangle[point.face];
-    rsv_residual r = rsv_residual_at(&job->residual, &point, rsv_hash3(job->seed, x, y));
-    double error[2];
-    for (int half = 0; half < 2; half++)
-        error[half] =
-            (double)rgb_luminance(r.residual[half]) + reflected_luminance(job, half, &point);
-    pixel.squared = isfinite(error[0] * error[1]) ? error[0] * error[1] : 0;
+    rsv_face_point *p = &pixel.point;
+    if (!find_surface(job, x, y, p)) return pixel;
+    uint32_t triangle = e->face_triangle[p->face];
     pixel.material = e->scene->triangle_material[triangle];
     pixel.normal =
-        rsv_surface_point_at(e->scene, triangle, point.u, point.v, e->face_back[point.face])
-            .geometric;
+        rsv_surface_point_at(e->scene, triangle, p->u, p->v, e->face_back[p->face]).geometric;
     return pixel;
+}
+
+static void measure_pixel(const heat_job *job, uint32_t x, uint32_t y)
+{
+    heat_pixel *pixel = &job->pixel[(size_t)y * job->desc.width + x];
+    if (pixel->material == RSV_NONE) return;
+    rsv_residual r = rsv_residual_at(&job->residual, &pixel->point, rsv_hash3(job->seed, x, y));
+    double error[2] = { 0 };
+    for (int half = 0; half < 2; half++)
+        error[half] =
+            (double)rgb_luminance(r.residual[half]) + reflected_luminance(job, half, &pixel->point);
+    pixel->squared = isfinite(error[0] * error[1]) ? error[0] * error[1] : 0;
+}
+
+static void place_pixels(heat_job *job)
+{
+    rsv_context *context = job->solution->context;
+    uint32_t width = job->desc.width, height = job->desc.height - BAR_HEIGHT;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width && !rsv_cancelled(context); x++)
+            job->pixel[(size_t)y * width + x] = place_pixel(job, x, y);
+}
+
+static rsv_status judge_caustics(heat_job *job)
+{
+    size_t count = (size_t)job->desc.width * (job->desc.height - BAR_HEIGHT);
+    uint64_t rays = 0;
+    if (!rsv_has_unseen_caustics(job->solution)) return RSV_OK;
+    rsv_status status = rsv_caustic_judge_create(job->solution, &job->judge);
+    if (status != RSV_OK) return status;
+    for (size_t k = 0; k < count; k++)
+        if (job->pixel[k].material != RSV_NONE)
+            rsv_caustic_judge_add(&job->judge, &job->pixel[k].point);
+    job->residual.judge = &job->judge;
+    return rsv_caustic_judge_shoot(&job->judge, rsv_hash2(job->seed, SEED_OF_PHOTONS), &rays);
 }
 
 static rsv_status measure_pixels(heat_job *job)
@@ -104,7 +136,7 @@ static rsv_status measure_pixels(heat_job *job)
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (uint32_t y = 0; y < height; y++) {
         for (uint32_t x = 0; x < job->desc.width && !rsv_cancelled(context); x++)
-            job->pixel[(size_t)y * job->desc.width + x] = measure_pixel(job, x, y);
+            measure_pixel(job, x, y);
         uint32_t finished;
 #pragma omp atomic capture
         finished = ++done;
@@ -215,12 +247,16 @@ rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify_desc *c
     RSV_TRY(job.pixel ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_image_create(s->context, job.desc.width, job.desc.height, 2, &image));
     RSV_TRY(rsv_image_set_layer_name(image, 1, "relative_error"));
+    place_pixels(&job);
+    RSV_TRY(rsv_progress(s->context, "heat map", 0)); // cancelled pixels have no places
+    RSV_TRY(judge_caustics(&job));
     RSV_TRY(measure_pixels(&job));
     paint(&job, certificate->irradiance_rms, image);
     *result = image;
     image = NULL;
 cleanup:
     rsv_image_destroy(image);
+    rsv_caustic_judge_destroy(&job.judge);
     rsv_free(s->context, job.pixel);
     rsv_error_field_destroy(s->context, &field);
     return status;

@@ -47,6 +47,18 @@ RSV_INLINE bool rsv_view_emitter(
     return true;
 }
 
+/// The same without its solid angle: places are drawn by area.
+RSV_INLINE bool rsv_view_far_emitter(
+    const rsv_emitter *emitter, rsv_vec3 point, rsv_triangle_view *view)
+{
+    if (!rsv_emitter_faces(emitter, point)) return false;
+    view->area_vector = rsv_emitter_area_vector(emitter);
+    for (int i = 0; i < 3; i++)
+        view->corner[i] = d3_between(point, emitter->corner[i]);
+    view->by_area = true;
+    return true;
+}
+
 RSV_INLINE float rsv_projected_solid_angle(
     const rsv_emitter *emitter, rsv_vec3 point, rsv_vec3 normal)
 {
@@ -241,11 +253,7 @@ RSV_INLINE bool rsv_sample_far_emitter(const rsv_local_lights *local, uint32_t e
     rsv_triangle_view view;
     sample->emitter = local->lights->sampled[entry];
     const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
-    if (!rsv_emitter_faces(emitter, local->point)) return false;
-    view.area_vector = rsv_emitter_area_vector(emitter);
-    for (int i = 0; i < 3; i++)
-        view.corner[i] = d3_between(local->point, emitter->corner[i]);
-    view.by_area = true;
+    if (!rsv_view_far_emitter(emitter, local->point, &view)) return false;
     rsv_sample_view(emitter, &view, u1, u2, sample);
     sample->pdf_solid_angle =
         (float)(probability * rsv_triangle_pdf(&view, sample->direction, sample->distance));

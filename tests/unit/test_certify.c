@@ -1,6 +1,7 @@
 /// The certificate: exact where the error is known, bounded by truth where it is not, the same for any number of
 /// threads, and patient with scenes that have nothing to certify.
 #include "resolvent/certify.h"
+#include "resolvent/render.h"
 
 #include "certify/point_density.h"
 #include "light_view.h"
@@ -407,6 +408,49 @@ static void wrong_caustics_of_a_point_light_are_found(void **state)
         after.error_estimate_rms, sqrt(added));
     assert_true(before.error_estimate_rms < sqrt(added));
     assert_true(fabs(sqrt(square) - sqrt(added)) < 0.2 * sqrt(added));
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
+/// What scaled caustics add to a goal's reading and to what a picture shows is known: both photons and rays say it.
+static void wrong_caustics_of_a_picture_are_found(void **state)
+{
+    (void)state;
+    world *w = create_room_with_caustic();
+    rsv_probe below = { { 0.5f, 0.1f, 0.5f }, { 0, -1, 0 } };
+    rsv_camera camera =
+        rsv_camera_look_at("low", v3(0.5f, 0.1f, 0.9f), v3(0.52f, 0, 0.5f), 0.5f, 1);
+    rsv_heat_map_desc map = { .width = 48, .height = 60, .gather_rays = 16, .viewpoint = &camera };
+    rsv_certify_desc few = { .samples = 1024, .gather_rays = 32, .light_samples = 4 };
+    rsv_solve_desc desc = draft(1500);
+    rsv_light *s = solve(w, &desc);
+    rsv_goal_certificate goal[2];
+    rsv_probe_reading reading[2];
+    double shown[2] = { 0 };
+    for (int wrong = 0; wrong < 2; wrong++) {
+        rsv_certificate c;
+        rsv_image *image;
+        rsv_rgb *caustic = rsv_light_edit(s)->caustics.caustic;
+        for (size_t n = 0; wrong && n < inside(s)->caustics.elements->node_count; n++)
+            caustic[n] = rgb_scale(caustic[n], 3);
+        assert_int_equal(rsv_certify_points(s, &few, &below, 1, &goal[wrong]), RSV_OK);
+        assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 },
+                             &below, 1, &reading[wrong]),
+            RSV_OK);
+        assert_int_equal(rsv_certify_picture(s, &few, &map, &c, &image), RSV_OK);
+        const rsv_rgb *number = rsv_image_const_pixels(image, 1);
+        for (int k = 0; k < 48 * 48; k++)
+            shown[wrong] += (double)number[k].r / (48 * 48);
+        rsv_image_destroy(image);
+    }
+    // the goal's weights are of all channels, as grey as they are here; readings of points are exact
+    double added =
+        (double)rgb_luminance(reading[1].irradiance) - (double)rgb_luminance(reading[0].irradiance);
+    print_message("goal errs by %.4f, then %.4f, of %.4f added; picture by %.3f, then %.3f\n",
+        goal[0].error, goal[1].error, added, shown[0], shown[1]);
+    assert_true(added > 0);
+    assert_true(fabs(goal[1].error - goal[0].error + added) < 0.25 * added);
+    assert_true(shown[1] > 1.5 * shown[0]);
     rsv_light_destroy(s);
     world_end(w);
 }
@@ -947,6 +991,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
         cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
+        cmocka_unit_test(wrong_caustics_of_a_picture_are_found),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
