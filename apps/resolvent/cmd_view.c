@@ -8,6 +8,7 @@
 #include "photometry.h"
 #include "subject.h"
 #include "view/view_hud.h"
+#include "view/view_player.h"
 #include "view/view_script.h"
 #include "view/view_show.h"
 #include "view/view_window.h"
@@ -60,6 +61,9 @@ static const char help[] =
     "  add NAME X Y Z         add a point light, and select it\n"
     "  albedo MATERIAL R G B  set a base colour\n"
     "  env-rotate DEG         rotate the environment; `turn DEG` adds to that\n"
+    "  play                   play the animation of a glTF file, or pause it; `pause`\n"
+    "  scrub S                go to S seconds of the animation; `step S` adds to that\n"
+    "  speed X                play X times as fast\n"
     "  mode NAME              operator, final, occlusion, occlusion-screen, error, next\n"
     "  layer NAME             all, emission, direct, a number of bounces, next, previous\n"
     "  exposure STOPS         set the exposure; `expose STOPS` adds to it\n"
@@ -101,6 +105,7 @@ typedef struct viewer {
     cli_view_state state;
     cli_view_script script;
     cli_view_hud hud;
+    cli_view_player player;
     cli_canvas canvas;
     bool made_folder;            ///< for the frames, which was not there before
     bool exposes;                ///< the first light is still to say how bright it is shown
@@ -112,6 +117,9 @@ typedef struct viewer {
 } viewer;
 
 enum { CLI_VIEW_MOST_TIMES = 100000 };
+
+/// Seconds of an animation from one recorded frame to the next.
+#define RECORDED_STEP (1.0 / 24)
 
 // ---- options ----------------------------------------------------------------------------------------
 
@@ -157,6 +165,7 @@ static bool report(viewer *v, rsv_status status)
 /// @param light NULL = none yet
 static bool begin_state(viewer *v, const rsv_light *light)
 {
+    const float time = v->settings->moment.time;
     uint32_t layers = light ? 1 + rsv_light_order_count(light) : 1;
     const rsv_scene *scene = light ? rsv_light_scene(light) : v->subject.scene;
     uint32_t camera = rsv_scene_find_camera(v->subject.scene, v->settings->camera);
@@ -172,6 +181,11 @@ static bool begin_state(viewer *v, const rsv_light *light)
     v->state.camera = v->state.scene->camera[camera];
     v->exposes = cli_exposes(v->session, v->settings->scene, v->settings->exposure);
     if (!isnan(v->settings->exposure)) cli_view_expose(&v->state, v->settings->exposure);
+    v->state.time = isfinite(time) ? (double)time : 0;
+    v->player = (cli_view_player){ .session = v->session,
+        .path = v->settings->scene,
+        .clip_name = v->settings->moment.clip,
+        .step = v->settings->record ? RECORDED_STEP : 0 };
     return true;
 }
 
@@ -250,9 +264,26 @@ static bool must_await(const viewer *v)
     return s->record || cli_device() || cli_crew() || (s->script && v->subject.solution);
 }
 
+/// A file that can be played is shown at the start of its animation: its scenes have the same surfaces at all times.
+static void open_animation(viewer *v)
+{
+    cli_session *session = v->session;
+    const rsv_load_desc load = cli_describe_load(session);
+    rsv_animation *animation = NULL;
+    if (isfinite(session->moment.time) || !cli_view_is_playable(v->settings->scene)) return;
+    if (rsv_animation_open(session->context, v->settings->scene, &load, &animation) != RSV_OK ||
+        rsv_animation_clip_count(animation) == 0) {
+        rsv_animation_destroy(animation); // what is wrong is said when it is to be played
+        return;
+    }
+    session->animation = animation;
+    session->moment.time = 0;
+}
+
 static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
+    open_animation(v);
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     v->session->moment = CLI_AT_REST; // of the scene alone
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
@@ -291,6 +322,7 @@ static void close_viewer(viewer *v)
     cli_free_view_script(&v->script);
     cli_view_state_free(&v->state);
     cli_show_end(&v->show);
+    cli_view_player_end(&v->player);
     rsv_scene_destroy(v->body);
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
@@ -418,11 +450,23 @@ static bool can_run_script(const viewer *v)
                                                    : cli_show_is_lit(&v->show);
 }
 
+/// An animation that cannot be played is said in the window, where one can go on.
+static bool play(viewer *v)
+{
+    char problem[CLI_VIEW_TEXT_LENGTH];
+    if (cli_view_play(&v->player, &v->show, &v->state, &v->hud.lag_ms, problem)) return true;
+    snprintf(v->hud.message, sizeof v->hud.message, "%s", problem);
+    if (v->window && !v->script.path) return true;
+    cli_error("%s: %s", v->settings->scene, problem);
+    return false;
+}
+
 static bool run_frame(viewer *v)
 {
     cli_view_timing timing;
     bool waits = v->script.path && !can_run_script(v);
-    if ((!waits && !run_script(v)) || !make_frame(v, &timing) || !save_wanted(v)) return false;
+    if ((!waits && !run_script(v)) || !play(v) || !make_frame(v, &timing) || !save_wanted(v))
+        return false;
     note_quality(v);
     read_pointer(v);
     note_time(v, &timing);
@@ -470,7 +514,7 @@ static bool write_stats(viewer *v)
 static bool listen(viewer *v)
 {
     uint32_t width, height;
-    bool rests = v->frame > 0 && !v->script.path && cli_show_at_rest(&v->show);
+    bool rests = v->frame > 0 && !v->script.path && !v->state.plays && cli_show_at_rest(&v->show);
     cli_window_size(v->window, &width, &height);
     int wait_ms = !rests && width ? 0 : v->show.refiner ? 20 : 100;
     cli_window_listen(v->window, 0.4f * v->state.reach, wait_ms, obey, v);

@@ -9,7 +9,7 @@ void rsv_direct_receive(
     const rsv_scene_view *view = job->scene->view;
     uint32_t points = job->setting.points;
     rsv_support_point sample[RSV_DIRECT_LANES];
-    r->node = node;
+    r->node = rsv_elements_draw_of(e, node);
     r->valid = valid;
     rsv_elements_sample_support(e, node, points, job->setting.seed, sample);
     r->entry = rsv_elements_entry(e, node, sample, points, valid);

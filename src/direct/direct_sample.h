@@ -22,7 +22,7 @@ typedef struct rsv_node_receivers {
     rsv_receiver at[RSV_DIRECT_LANES];
     rsv_medium medium;       ///< of the first of them that is not buried
     rsv_surface_entry entry; ///< of all of them
-    uint32_t node;
+    uint32_t node; ///< that its random numbers are of
     uint32_t valid; ///< bit k = point k counts
 } rsv_node_receivers;
 

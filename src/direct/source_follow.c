@@ -39,7 +39,7 @@ static rsv_status move_elements(level_follower *f)
     rsv_elements *e = f->b.elements;
     rsv_scene_change change = *f->motion->shafts->change;
     const rsv_elements_motion motion = { f->motion->moved, &change,
-        { RSV_LEVEL_POINTS, f->b.desc->seed } };
+        { RSV_LEVEL_POINTS, f->b.desc->seed }, NULL };
     f->anew = rsv_alloc(e->context, e->node_count, 1);
     if (!f->anew) return RSV_ERROR_MEMORY;
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);

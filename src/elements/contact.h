@@ -24,6 +24,14 @@ typedef struct rsv_growth {
 rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t most_nodes,
     const rsv_growth *growth, rsv_elements **elements, uint64_t *rays);
 
+/// Size above which contacts of these elements were split: that of the cells which are cut and were left whole all the same, but
+/// for a few. What comes to stand elsewhere is split as finely.
+float rsv_elements_contact_size(const rsv_elements *elements);
+
+/// Whether other geometry cuts a cell, and it would have been split for that. @param least metres, from
+/// rsv_elements_contact_size; 0 = whatever other contacts were
+bool rsv_cell_wants_contact_split(const rsv_elements *elements, uint32_t cell, float least);
+
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells, or covers the node between them.
 /// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to
 ///                do; NULL = everywhere

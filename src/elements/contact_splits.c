@@ -120,3 +120,57 @@ rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t
     rsv_elements_destroy(earlier);
     return status;
 }
+
+// ---- contacts that come later ---------------------------------------------------------------------
+
+/// The cell that was split into this one and others.
+static rsv_cell parent_of(rsv_cell cell)
+{
+    bool both_odd = cell.i & cell.j & 1, both_even = !((cell.i | cell.j) & 1);
+    bool middle = cell.flipped ? both_even : both_odd;
+    cell.flipped = middle ? !cell.flipped : cell.flipped;
+    cell.i /= 2;
+    cell.j /= 2;
+    cell.level--;
+    return cell;
+}
+
+/// How many times a cell was split because something cut it.
+static uint32_t splits_at_contacts(const rsv_elements *e, uint32_t cell)
+{
+    uint32_t count = 0;
+    if (!e->slot_openness) return 0;
+    for (rsv_cell c = e->cell[cell]; c.level > e->face_level[c.face];) {
+        c = parent_of(c);
+        uint32_t slot = rsv_elements_find_slot(e, &c);
+        uint8_t then = slot == RSV_NONE ? 0 : e->slot_openness[slot];
+        count += (then & (RSV_CELL_CUT | RSV_CELL_CUT_THROUGH)) != 0;
+    }
+    return count;
+}
+
+bool rsv_cell_wants_contact_split(const rsv_elements *e, uint32_t cell, float least)
+{
+    if (!(e->cell_openness[cell] & (RSV_CELL_CUT | RSV_CELL_CUT_THROUGH)) ||
+        e->cell[cell].level >= RSV_MAX_LEVEL)
+        return false;
+    float finest = finest_size(e, cell, NULL, splits_at_contacts(e, cell));
+    return cell_size(e, cell) > f_max(least, finest) * (1 + 1e-4f);
+}
+
+float rsv_elements_contact_size(const rsv_elements *e)
+{
+    size_t cut = 0, whole = 0, larger = 0;
+    if (!e->cell_openness) return INFINITY;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        cut += (e->cell_openness[c] & (RSV_CELL_CUT | RSV_CELL_CUT_THROUGH)) != 0;
+        whole += rsv_cell_wants_contact_split(e, c, 0);
+    }
+    float size = THIN_WALL_SIZE * e->spacing;
+    for (larger = whole; (float)larger > WHOLE_CONTACTS * (float)cut; size *= SIZE_STEP) {
+        larger = 0;
+        for (uint32_t c = 0; c < e->cell_count; c++)
+            larger += rsv_cell_wants_contact_split(e, c, size);
+    }
+    return size;
+}

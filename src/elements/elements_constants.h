@@ -57,6 +57,8 @@
 #define THIN_WALL_SIZE 0.03f
 /// Steps of the size down to which all may be split, where not all fit.
 #define SIZE_STEP 1.2f
+/// Part of the cells at contacts that may be larger than others are split down to.
+#define WHOLE_CONTACTS 0.1f
 
 // ---- Sizes of cells (spacing.c) ----------------------------------------------------------------------
 

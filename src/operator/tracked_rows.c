@@ -18,14 +18,15 @@ typedef struct tracked_rows {
     uint32_t rays;  ///< of a row
     uint32_t *slot; ///< [row_count] of the row in all that follows; RSV_NONE = it hangs
     size_t slot_count;
-    uint32_t *column;         ///< [slot_count * rays] ends of weight 1, the first `count` of each
-    uint16_t *reach;          ///< [slot_count * rays]
-    uint8_t *kind;            ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
-    uint32_t *count;          ///< [slot_count]
-    rsv_row_place *place;     ///< [slot_count]
-    rsv_row_tail **tail;      ///< [slot_count]
-    size_t entries;           ///< of all rows
-    size_t live_rows;         ///< neither hanging nor buried
+    uint32_t *column;     ///< [slot_count * rays] ends of weight 1, the first `count` of each
+    uint16_t *reach;      ///< [slot_count * rays]
+    uint8_t *kind;        ///< [slot_count * rays] with RSV_ROW_RAY_ENDS
+    uint32_t *count;      ///< [slot_count]
+    uint8_t *lost;        ///< [slot_count] 1 = there are columns RSV_NONE, of ends that are no more
+    rsv_row_place *place; ///< [slot_count]
+    rsv_row_tail **tail;  ///< [slot_count]
+    size_t entries;       ///< of all rows
+    size_t live_rows;     ///< neither hanging nor buried
     rsv_row_scratch *scratch; ///< [threads]
 } tracked_rows;
 
@@ -78,6 +79,23 @@ static void touch_packet(
     }
 }
 
+/// Marks rays whose ends are no more.
+static void touch_lost(patch *p)
+{
+    const tracked_rows *t = p->t;
+    const uint32_t *column = t->column + p->first;
+    const rsv_row_tail *tail = t->tail[p->slot];
+    const rsv_row_tail_view v = rsv_row_tail_view_of(tail);
+    for (uint32_t ray = 0; ray < t->rays; ray++) {
+        if (!(t->kind[p->first + ray] & RSV_ROW_RAY_ENDS)) continue;
+        bool lost = *column++ == RSV_NONE;
+        p->touched[ray / 64] |= (uint64_t)lost << (ray % 64);
+    }
+    for (uint32_t k = 0; tail && k < tail->tinted_count; k++)
+        if (v.tinted_column[k] == RSV_NONE)
+            p->touched[v.tinted_ray[k] / 64] |= (uint64_t)1 << (v.tinted_ray[k] % 64);
+}
+
 /// Finds the rays of a row that touch boxes. @return whether there are any
 static bool find_touched(patch *p, const rsv_scene_change *change)
 {
@@ -87,6 +105,7 @@ static bool find_touched(patch *p, const rsv_scene_change *change)
     uint32_t index = rsv_elements_draw_of(t->tracer.elements, p->node);
     p->set = rsv_directions_of(&t->tracer.directions, t->tracer.seed, index) / LANES;
     memset(p->touched, 0, sizeof p->touched);
+    if (t->lost[p->slot]) touch_lost(p);
     rsv_row_tail_touch(t->tail[p->slot], &t->frame, change, p->touched);
     if (!rsv_row_cones_meet(&t->cones, p->set, &t->place[p->slot], change, packet))
         return is_touched(p);
@@ -158,6 +177,7 @@ static rsv_status store_row(const patch *p)
         t->reach[p->first + ray] = s->track->reach[ray];
     }
     t->count[p->slot] = count;
+    t->lost[p->slot] = 0;
     float scale = t->transport.scale[p->node] = 1 / (float)t->rays;
     t->transport.gathered[p->node] = rgb_scale(s->emission, RSV_PI * scale);
     return rsv_row_tail_store(t->transport.context, s, &t->tail[p->slot]);
@@ -167,6 +187,7 @@ static void empty_row(const patch *p)
 {
     tracked_rows *t = p->t;
     t->count[p->slot] = 0;
+    t->lost[p->slot] = 0;
     t->transport.scale[p->node] = 0;
     t->transport.gathered[p->node] = rgb_gray(0);
     rsv_free(t->transport.context, t->tail[p->slot]);
@@ -340,11 +361,14 @@ static rsv_status create_arrays(tracked_rows *t, const rsv_elements *e)
     t->count = rsv_alloc(context, t->slot_count, sizeof *t->count);
     t->place = rsv_alloc(context, t->slot_count, sizeof *t->place);
     t->tail = rsv_alloc(context, t->slot_count, sizeof *t->tail);
-    bool complete = t->column && t->reach && t->kind && t->count && t->place && t->tail;
+    t->lost = rsv_alloc(context, t->slot_count, sizeof *t->lost);
+    bool complete = t->lost && t->column && t->reach && t->kind && t->count && t->place && t->tail;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-rsv_status rsv_tracked_rows_create(const rsv_transport_desc *d, rsv_transport **transport)
+/// Rows of which none is there yet. @param frame NULL = one around the scene
+static rsv_status create_empty(
+    const rsv_transport_desc *d, const rsv_trail_frame *frame, tracked_rows **rows)
 {
     rsv_context *context = d->elements->context;
     rsv_status status;
@@ -357,23 +381,77 @@ rsv_status rsv_tracked_rows_create(const rsv_transport_desc *d, rsv_transport **
     t->transport.context = context;
     t->transport.row_count = d->elements->node_count;
     t->rays = d->rays;
-    t->frame = frame_around(d->scene->view);
+    t->frame = frame ? *frame : frame_around(d->scene->view);
     t->tracer =
         (rsv_row_tracer){ d->scene, d->lights, d->elements, d->valid_points, .seed = d->seed };
     RSV_TRY(rsv_row_tracer_begin(&t->tracer, d->rays));
     RSV_TRY(rsv_row_cones_create(context, &t->tracer.directions, &t->cones));
     RSV_TRY(create_arrays(t, d->elements));
     RSV_TRY(create_scratch(t));
+    *rows = t;
+    t = NULL;
+cleanup:
+    if (t) rsv_transport_destroy(&t->transport);
+    return status;
+}
+
+rsv_status rsv_tracked_rows_create(const rsv_transport_desc *d, rsv_transport **transport)
+{
+    tracked_rows *t = NULL;
+    rsv_status status;
+    RSV_TRY(create_empty(d, NULL, &t));
     RSV_TRY(find_rows(t, NULL));
     RSV_TRY(list_escapes(t));
     count_entries(t);
-    for (int thread = 0; thread < rsv_threads(context); thread++)
+    for (int thread = 0; thread < rsv_threads(d->elements->context); thread++)
         t->transport.rays += t->scratch[thread].rays;
     *transport = &t->transport;
     t = NULL;
 cleanup:
     if (t) rsv_transport_destroy(&t->transport);
     return status;
+}
+
+/// Takes a row over that receives what it did. @param node of now
+static void take_row(tracked_rows *t, tracked_rows *then, uint32_t node, const rsv_rows_division *d)
+{
+    uint32_t before = d->row_before[node], slot = t->slot[node], other = then->slot[before];
+    size_t to = (size_t)slot * t->rays, from = (size_t)other * t->rays;
+    memcpy(t->kind + to, then->kind + from, t->rays * sizeof *t->kind);
+    memcpy(t->reach + to, then->reach + from, t->rays * sizeof *t->reach);
+    t->transport.scale[node] = then->transport.scale[before];
+    t->transport.gathered[node] = then->transport.gathered[before];
+    t->place[slot] = then->place[other];
+    t->count[slot] = then->count[other];
+    for (uint32_t k = 0; k < t->count[slot]; k++) {
+        t->column[to + k] = d->column_now[then->column[from + k]];
+        t->lost[slot] |= t->column[to + k] == RSV_NONE;
+    }
+    t->tail[slot] = then->tail[other];
+    then->tail[other] = NULL;
+    rsv_row_tail_view v = rsv_row_tail_view_of(t->tail[slot]);
+    for (uint32_t k = 0; t->tail[slot] && k < t->tail[slot]->tinted_count; k++) {
+        v.tinted_column[k] = d->column_now[v.tinted_column[k]];
+        t->lost[slot] |= v.tinted_column[k] == RSV_NONE;
+    }
+}
+
+rsv_status rsv_tracked_rows_divide(rsv_transport *before, const rsv_transport_desc *desc,
+    const rsv_rows_division *division, rsv_transport **transport)
+{
+    tracked_rows *then = rows_of(before), *t = NULL;
+    rsv_status status = create_empty(desc, &then->frame, &t);
+    if (status != RSV_OK) return status;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(before->context))
+    for (uint32_t node = 0; node < t->transport.row_count; node++) {
+        uint32_t other = division->row_before[node];
+        if (other != RSV_NONE && t->slot[node] != RSV_NONE && then->slot[other] != RSV_NONE &&
+            then->transport.scale[other] > 0)
+            take_row(t, then, node, division);
+    }
+    t->transport.rays = before->rays;
+    *transport = &t->transport;
+    return RSV_OK;
 }
 
 // ---- the table ------------------------------------------------------------------------------------
@@ -391,7 +469,8 @@ static void destroy(rsv_transport *transport)
         rsv_free(context, t->tail[k]);
     rsv_row_cones_destroy(&t->cones);
     rsv_row_tracer_end(&t->tracer);
-    void *arrays[] = { t->slot, t->column, t->reach, t->kind, t->count, t->place, t->tail };
+    void *arrays[] = { t->slot, t->column, t->reach, t->kind, t->count, t->place, t->tail,
+        t->lost };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
 }

@@ -34,6 +34,19 @@ bool rsv_tracked_rows_can_follow(const rsv_transport *transport, const rsv_scene
 rsv_status rsv_tracked_rows_patch(
     rsv_transport *transport, const rsv_rows_motion *motion, rsv_rows_patched *patched);
 
+/// Which rows of divided elements are what they were, and where rays end now (update/divided_elements.h).
+typedef struct rsv_rows_division {
+    const uint32_t *row_before; ///< [row_count] RSV_NONE = none: it is traced as a whole
+    const uint32_t
+        *column_now; ///< [row_count of before] RSV_NONE = rays that ended there are traced again
+} rsv_rows_division;
+
+/// Rows of elements that were divided again. What is not known is traced by the next rsv_tracked_rows_patch, which must follow.
+/// @param before loses what is taken over: it can only be destroyed
+/// @param desc of the divided elements, with the settings of before
+rsv_status rsv_tracked_rows_divide(rsv_transport *before, const rsv_transport_desc *desc,
+    const rsv_rows_division *division, rsv_transport **transport);
+
 /// Whether rows are such rows.
 bool rsv_rows_are_tracked(const rsv_transport *transport);
 

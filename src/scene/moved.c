@@ -1,10 +1,14 @@
 #include "moved.h"
 
 #include "../core/vec.h"
+#include "../subsurface/scatter_profile.h"
 #include "material_fields.h"
 #include "variant.h"
 
 #include <string.h>
+
+/// Rounding that distances within a body are allowed, as a part of its size.
+#define SHAPE_TOLERANCE 1e-4f
 
 // ---- moving objects -------------------------------------------------------------------------------
 
@@ -190,6 +194,66 @@ static bool is_vertex_moved(const rsv_scene *a, const rsv_scene *b, uint32_t ver
            (a->tangent && !is_same_number(a->tangent[vertex], b->tangent[vertex], 4));
 }
 
+/// Corners of an object that tell its pose: two that lie far apart, and one far from both.
+typedef struct pose_corners {
+    uint32_t vertex[3];
+} pose_corners;
+
+/// The vertex of an object for which a sum of distances to others is largest.
+static uint32_t farthest_vertex(
+    const rsv_scene *s, uint32_t object, const uint32_t *from, int from_count)
+{
+    uint32_t best = from[0];
+    float most = -1;
+    for (size_t t = 0; t < s->triangle_count; t++)
+        for (int k = 0; k < 3 && s->triangle_object[t] == object; k++) {
+            uint32_t v = s->triangle[t][k];
+            float nearest = INFINITY;
+            for (int f = 0; f < from_count; f++)
+                nearest = f_min(nearest, v3_length(v3_sub(s->position[v], s->position[from[f]])));
+            if (nearest > most) most = nearest, best = v;
+        }
+    return best;
+}
+
+/// Whether an object has the same shape in both versions: all its corners are as far from three of them.
+static bool keeps_shape(const rsv_scene *a, const rsv_scene *b, uint32_t object, uint32_t vertex)
+{
+    pose_corners p = { { vertex, vertex, vertex } };
+    for (int k = 1; k < 3; k++)
+        p.vertex[k] = farthest_vertex(a, object, p.vertex, k);
+    float size = v3_length(v3_sub(a->position[p.vertex[1]], a->position[vertex]));
+    for (size_t t = 0; t < a->triangle_count; t++)
+        for (int k = 0; k < 9 && a->triangle_object[t] == object; k++) {
+            uint32_t v = a->triangle[t][k / 3], from = p.vertex[k % 3];
+            float then = v3_length(v3_sub(a->position[v], a->position[from]));
+            float now = v3_length(v3_sub(b->position[v], b->position[from]));
+            if (fabsf(then - now) > SHAPE_TOLERANCE * size) return false;
+        }
+    return true;
+}
+
+/// Light diffuses below the surface of a body from everywhere to everywhere: another shape is another body.
+static rsv_status check_translucent(const rsv_scene *a, const rsv_scene *b, const uint8_t *moved)
+{
+    rsv_status status = RSV_OK;
+    uint8_t *done = rsv_alloc(a->context, a->object_count, 1);
+    if (!done) return RSV_ERROR_MEMORY;
+    for (size_t t = 0; t < a->triangle_count && status == RSV_OK; t++) {
+        uint32_t object = a->triangle_object[t];
+        const rsv_material *m = &a->material[a->triangle_material[t]];
+        if (!moved[t] || done[object] || !rsv_material_scatters_below(m)) continue;
+        done[object] = 1;
+        if (!keeps_shape(a, b, object, a->triangle[t][0]))
+            status = rsv_fail(RSV_ERROR_UNSUPPORTED,
+                "scene: the translucent object '%s' changes its shape, which a light does not "
+                "follow; solve it again",
+                a->object_name[object]);
+    }
+    rsv_free(a->context, done);
+    return status;
+}
+
 rsv_status rsv_scene_find_moved(
     const rsv_scene *scene, const rsv_scene *version, rsv_scene_difference *d)
 {
@@ -207,7 +271,7 @@ rsv_status rsv_scene_find_moved(
                       is_vertex_moved(scene, version, corner[2]);
         d->moved_count += d->moved[t];
     }
-    return RSV_OK;
+    return d->moved_count ? check_translucent(scene, version, d->moved) : RSV_OK;
 }
 
 static void take_light(rsv_punctual_light *to, const rsv_punctual_light *from)

@@ -1,52 +1,26 @@
 /// Lights of scenes in which surfaces move: nothing but what a motion touched is found again.
 ///
 /// 1. Boxes around what moved, where it was and where it is (rsv_scene_change).
-/// 2. Coarse elements keep their numbers; beside boxes, what is buried is judged again (update/moved_elements.h).
+/// 2. Coarse elements: beside boxes, what is buried is judged again (update/moved_elements.h); where something newly cuts
+///    through cells, and where any contact changed once all rests, they are divided again (light_divide.c), and what is the same
+///    keeps its rays and its light.
 /// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
 /// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
 ///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
 /// 5. E = E0 + G K E is solved on from the E of before.
 #include "../core/device.h"
 #include "../core/team.h"
-#include "../operator/tracked_rows.h"
-#include "../scene/moved.h"
+#include "../elements/open_corners.h"
 #include "../scene/variant.h"
 #include "../update/moved_elements.h"
 #include "../update/update.h"
-#include "light_internal.h"
+#include "light_motion.h"
 #include "resolvent/update.h"
 #include "source.h"
 
 #include <string.h>
 
-/// What a light keeps between motions.
-typedef struct rsv_following {
-    rsv_elements *elements;     ///< of the operator, retained
-    uint16_t *valid_points;     ///< [node_count] of the operator
-    rsv_transport *rows;        ///< likewise
-    rsv_rgb *direct;            ///< [node_count] next-event estimates, W/m2
-    rsv_scene_change undivided; ///< boxes of motions since the level of direct light was divided
-} rsv_following;
-
-/// One motion.
-typedef struct motion {
-    rsv_light *s;
-    rsv_scene_difference difference;
-    rsv_scene_change change;
-    rsv_light_shafts shafts;
-    uint8_t *anew; ///< [node_count] 1 = the row is another one
-    bool begins;   ///< it is the first one
-    rsv_rows_patched rows;
-    size_t lit, kept_lit;
-} motion;
-
-void rsv_following_destroy(rsv_context *context, rsv_following *f)
-{
-    if (!f) return;
-    rsv_elements_destroy(f->elements);
-    rsv_free(context, f->direct);
-    rsv_free(context, f);
-}
+typedef rsv_light_motion motion;
 
 // ---- what moved -----------------------------------------------------------------------------------
 
@@ -77,6 +51,12 @@ static bool moves_emitter(const motion *m)
     return false;
 }
 
+static void add_to(rsv_scene_change *all, const rsv_scene_change *change)
+{
+    for (uint32_t k = 0; k < change->count; k++)
+        rsv_scene_change_add(all, change->low[k], change->high[k], false);
+}
+
 /// Brings the light's scene, its hierarchy and its sources to where all is now.
 static rsv_status move_world(motion *m, const rsv_scene *version)
 {
@@ -101,49 +81,48 @@ cleanup:
 
 // ---- the operator ---------------------------------------------------------------------------------
 
-/// Elements of the light's own, of its own scene.
-static rsv_status begin(motion *m)
+static rsv_transport_desc describe_rows(const rsv_light *s)
 {
-    rsv_light *s = m->s;
-    size_t nodes = s->elements->node_count;
-    rsv_status status;
-    rsv_following *f = s->following = rsv_alloc(s->context, 1, sizeof *f);
-    RSV_TRY(f ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(
-        rsv_elements_copy(s->elements, s->world->scene.view, s->world->scene.bsdf, &f->elements));
-    f->direct = rsv_alloc(s->context, nodes, sizeof *f->direct);
-    RSV_TRY(f->direct ? RSV_OK : RSV_ERROR_MEMORY);
-cleanup:
-    return status;
+    return (rsv_transport_desc){ .scene = &s->world->scene,
+        .lights = s->sources->lights,
+        .elements = s->following->elements,
+        .valid_points = s->following->valid_points,
+        .rays = s->report.rays_per_row,
+        .seed = s->desc.seed };
 }
 
 /// Rows of the light's own.
 static rsv_status trace_rows(motion *m)
 {
-    rsv_light *s = m->s;
-    rsv_following *f = s->following;
-    const rsv_transport_desc desc = { .scene = &s->world->scene,
-        .lights = s->sources->lights,
-        .elements = f->elements,
-        .valid_points = f->valid_points,
-        .rays = s->report.rays_per_row,
-        .seed = s->desc.seed };
+    rsv_following *f = m->s->following;
+    const rsv_transport_desc desc = describe_rows(m->s);
     rsv_status status = rsv_tracked_rows_create(&desc, &f->rows);
     if (status == RSV_OK)
         m->rows = (rsv_rows_patched){ .rays = f->rows->rays, .traced = f->rows->rays };
     return status;
 }
 
-/// A new operator of the rows traced last.
+/// Albedos for an operator of the elements as they are. NULL = no memory
+static rsv_rgb *take_albedo(motion *m)
+{
+    const rsv_light *s = m->s;
+    size_t nodes = s->following->elements->node_count;
+    rsv_rgb *albedo = m->albedo;
+    m->albedo = NULL;
+    if (albedo) return albedo;
+    albedo = rsv_alloc(s->context, nodes, sizeof *albedo);
+    if (albedo && nodes)
+        memcpy(albedo, rsv_operator_get_view(s->op)->albedo, nodes * sizeof *albedo);
+    return albedo;
+}
+
+/// A new operator of the rows in hand.
 static rsv_status take_operator(motion *m)
 {
     rsv_light *s = m->s;
     rsv_following *f = s->following;
-    size_t nodes = f->elements->node_count;
     rsv_operator *op = NULL;
-    rsv_rgb *albedo = rsv_alloc(s->context, nodes, sizeof *albedo);
-    if (albedo && nodes)
-        memcpy(albedo, rsv_operator_get_view(s->op)->albedo, nodes * sizeof *albedo);
+    rsv_rgb *albedo = take_albedo(m);
     const rsv_operator_view parts = { .context = s->context,
         .world = s->world,
         .elements = f->elements,
@@ -173,26 +152,58 @@ static rsv_status copy_valid_points(motion *m)
     return RSV_OK;
 }
 
+/// An operator of divided elements, whose rows are still to be patched.
+static rsv_status divide_operator(motion *m, bool from_first)
+{
+    rsv_light *s = m->s;
+    rsv_following *f = s->following;
+    rsv_divided_elements d;
+    rsv_status status;
+    RSV_TRY(rsv_light_divide(m, from_first, &d));
+    if (m->begins) goto cleanup; // rows are traced as a whole
+    const rsv_transport_desc desc = describe_rows(s);
+    const rsv_rows_division rows = { d.node_before, d.node_now };
+    RSV_TRY(rsv_tracked_rows_divide(f->rows, &desc, &rows, &f->rows));
+    RSV_TRY(take_operator(m));
+cleanup:
+    rsv_divided_elements_free(s->context, &d);
+    return status;
+}
+
+static rsv_status trace_operator(motion *m)
+{
+    rsv_status status = trace_rows(m);
+    return status == RSV_OK ? take_operator(m) : status;
+}
+
+static rsv_status patch_rows(motion *m)
+{
+    const rsv_rows_motion rows = { m->s->sources->lights, &m->change, m->anew };
+    return rsv_tracked_rows_patch(m->s->following->rows, &rows, &m->rows);
+}
+
 static rsv_status move_operator(motion *m)
 {
     rsv_light *s = m->s;
     rsv_following *f = s->following;
+    uint8_t contacts = 0;
     const rsv_elements_motion elements = { m->difference.moved, &m->change,
-        { RSV_SUPPORT_POINTS, s->desc.seed } };
+        { RSV_SUPPORT_POINTS, s->desc.seed }, &contacts };
     rsv_status status;
     bool whole = m->begins || !rsv_tracked_rows_can_follow(f->rows, &m->change);
     m->anew = rsv_alloc(s->context, f->elements->node_count, 1);
     RSV_TRY(m->anew ? RSV_OK : RSV_ERROR_MEMORY);
-    if (whole) RSV_TRY(copy_valid_points(m));
+    if (m->begins) RSV_TRY(copy_valid_points(m));
+    add_to(&f->unsettled, &m->change);
     RSV_TRY(
         rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
-    if (whole) {
-        RSV_TRY(trace_rows(m));
-        RSV_TRY(take_operator(m));
-    } else {
-        const rsv_rows_motion rows = { s->sources->lights, &m->change, m->anew };
-        RSV_TRY(rsv_tracked_rows_patch(f->rows, &rows, &m->rows));
-    }
+    if (m->begins ? contacts != 0 : contacts & RSV_CELL_CUT_THROUGH)
+        RSV_TRY(divide_operator(m, false));
+    else if (contacts) // what stands upon cells without parting them can wait until it rests
+        f->split = true;
+    rsv_light_publish(s);
+    if (whole && !m->begins) RSV_TRY(copy_valid_points(m)); // the operator keeps its own
+    RSV_TRY(whole ? trace_operator(m) : patch_rows(m));
     rsv_light_publish(s);
 cleanup:
     return status;
@@ -255,11 +266,10 @@ static rsv_status find_levels(motion *m)
     uint8_t *hidden = NULL;
     rsv_scene_change *undivided = &s->following->undivided;
     const rsv_level_motion moved = { m->difference.moved, &m->shafts, s->sources->lights };
-    for (uint32_t k = 0; k < m->change.count; k++)
-        rsv_scene_change_add(undivided, m->change.low[k], m->change.high[k], false);
+    add_to(undivided, &m->change);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
-    if (!m->begins && rsv_source_has_grown(s))
+    if (!m->begins && (m->divides || rsv_source_has_grown(s)))
         RSV_TRY(divide_again(m, &limits));
     else
         RSV_TRY(rsv_source_follow_levels(s, &limits, m->begins ? NULL : &moved));
@@ -269,16 +279,24 @@ cleanup:
     return status;
 }
 
-static rsv_status move_light(motion *m)
+static rsv_status solve_again(motion *m)
 {
     rsv_light *s = m->s;
     rsv_status status;
-    RSV_TRY(find_direct(m));
-    RSV_TRY(find_levels(m));
     s->gathered_scale = rgb_gray(1);
     rsv_source_add_gathered(s);
     RSV_TRY(rsv_solve_on(s));
     if (rsv_operator_get_view(s->op)->subsurface) RSV_TRY(rsv_light_diffuse(s));
+cleanup:
+    return status;
+}
+
+static rsv_status move_light(motion *m)
+{
+    rsv_status status;
+    RSV_TRY(find_direct(m));
+    RSV_TRY(find_levels(m));
+    RSV_TRY(solve_again(m));
 cleanup:
     return status;
 }
@@ -323,14 +341,27 @@ static rsv_status follow(motion *m, const rsv_scene *version)
     RSV_TRY(rsv_light_vary_world(s));
     rsv_light_set_basis(s, NULL);
     RSV_TRY(move_world(m, version));
-    if (m->begins) RSV_TRY(begin(m));
+    if (m->begins) RSV_TRY(rsv_following_create(m->s, &m->s->following));
     RSV_TRY(move_operator(m));
     RSV_TRY(move_light(m));
 cleanup:
     return status;
 }
 
-/// Finishes the level of direct light, once all is at rest.
+/// Coarse elements without the splits of the way, and what that changes.
+static rsv_status settle_operator(motion *m)
+{
+    rsv_light *s = m->s;
+    rsv_status status;
+    RSV_TRY(divide_operator(m, true));
+    RSV_TRY(patch_rows(m));
+    rsv_light_publish(s);
+    RSV_TRY(find_direct(m));
+cleanup:
+    return status;
+}
+
+/// Divides all elements as a solve would, once all is at rest.
 static rsv_status settle(motion *m)
 {
     rsv_light *s = m->s;
@@ -339,9 +370,11 @@ static rsv_status settle(motion *m)
     m->shafts =
         (rsv_light_shafts){ .change = &m->change, .all_light_changed = s->scene.media.bodies };
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
+    if (s->following->split) RSV_TRY(settle_operator(m));
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
     RSV_TRY(divide_again(m, &limits));
+    if (m->divides) RSV_TRY(solve_again(m));
 cleanup:
     rsv_free(s->context, hidden);
     return status;
@@ -360,12 +393,13 @@ rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_r
     bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
     if (!rests)
         RSV_TRY(follow(&m, version));
-    else if (s->following->undivided.count > 0)
+    else if (s->following->undivided.count > 0 || s->following->split)
         RSV_TRY(settle(&m));
     rsv_light_publish(s);
     if (report) fill_report(&m, rsv_seconds() - start, report);
 cleanup:
     rsv_free(s->context, m.difference.moved);
     rsv_free(s->context, m.anew);
+    rsv_free(s->context, m.albedo);
     return status;
 }

@@ -49,6 +49,8 @@
 /// Splits at contacts may add this many nodes times the root of those that were asked for: they lie along lines. Measured,
 /// rows at draft: classroom 37,000, staircase 31,000, white room 52,000; without 146,535, 167,493 and 100,265.
 #define CONTACT_NODES 300
+/// Elements of a scene that moves may pile up splits up to this many times the nodes there were before anything moved.
+#define MOST_DIVISION 1.25
 
 // ---- Pilots: solutions with few rays (pilot.c) -------------------------------------------------------
 

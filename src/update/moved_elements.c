@@ -13,14 +13,30 @@ static void find_near(
         near[c] = moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, change);
 }
 
-static void judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+/// What changed at contacts, as in rsv_elements_motion.
+static uint8_t compare_contacts(uint8_t then, uint8_t now)
 {
-    if (!e->cell_openness) return;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))
+    const uint8_t contact = RSV_CELL_CUT | RSV_CELL_CUT_THROUGH | RSV_CELL_SHELTERED;
+    uint8_t changed = (then ^ now) & contact ? RSV_CELL_CUT : 0;
+    return changed | (now & (uint8_t)~then & RSV_CELL_CUT_THROUGH);
+}
+
+/// @return what changed at contacts
+static uint8_t judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+{
+    uint32_t changed = 0;
+    if (!e->cell_openness) return 0;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))                \
+    reduction(|                                                                                    \
+              : changed)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         uint64_t rays = 0;
-        if (near[c]) e->cell_openness[c] = rsv_cell_judge_again(scene, e, c, &rays);
+        if (!near[c]) continue;
+        uint8_t then = e->cell_openness[c];
+        e->cell_openness[c] = rsv_cell_judge_again(scene, e, c, &rays);
+        changed |= compare_contacts(then, e->cell_openness[c]);
     }
+    return (uint8_t)changed;
 }
 
 /// Whether the node moved, and whether its points must be judged again.
@@ -65,8 +81,7 @@ static void judge_points(const rsv_transport_scene *scene, const rsv_elements *e
     }
 }
 
-/// Every cell has its own corners again, and nodes that hang on edges both their parents.
-static void unbridge(rsv_elements *e)
+void rsv_elements_unbridge(rsv_elements *e)
 {
     for (uint32_t n = 0; n < e->node_count; n++)
         for (uint32_t s = e->support_begin[n]; s < e->support_begin[n + 1]; s++)
@@ -85,7 +100,7 @@ static rsv_status bridge_again(
     uint32_t(*before)[3] = rsv_reserve(e->context, e->cell_count, sizeof *before);
     if (!before) return RSV_ERROR_MEMORY;
     memcpy(before, e->cell_node, bytes);
-    unbridge(e);
+    rsv_elements_unbridge(e);
     rsv_status status = rsv_elements_bridge_buried(e, valid_points);
     for (uint32_t c = 0; c < e->cell_count && status == RSV_OK; c++) {
         if (memcmp(before[c], e->cell_node[c], sizeof before[c]) == 0) continue;
@@ -114,7 +129,8 @@ rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *e
     if (!near) return status;
     if (changes_size(e, m->moved)) rsv_elements_find_areas(e);
     find_near(e, m->moved, m->change, near);
-    judge_corners(scene, e, near);
+    uint8_t contacts = judge_corners(scene, e, near);
+    if (m->contacts) *m->contacts = contacts;
     judge_points(scene, e, m, near, valid_points, anew);
     status = bridge_again(e, valid_points, m->change);
     rsv_free(e->context, near);

@@ -13,7 +13,13 @@ typedef struct rsv_elements_motion {
     /// for now, or do no longer.
     rsv_scene_change *change;
     rsv_support_draw draw;
+    /// Out: RSV_CELL_CUT where other cells are cut now than before, with RSV_CELL_CUT_THROUGH where some are newly cut
+    /// through; NULL = nobody asks.
+    uint8_t *contacts;
 } rsv_elements_motion;
+
+/// Undoes rsv_elements_bridge_buried: every cell has its own corners again, and nodes that hang on edges both their parents.
+void rsv_elements_unbridge(rsv_elements *elements);
 
 /// @param scene as it is now; the elements' own view shows the same
 /// @param valid_points [node_count] in and out

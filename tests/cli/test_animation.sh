@@ -32,6 +32,20 @@ import sys
 sys.exit(abs(float(sys.argv[1].split()[0]) - 1) > 0.02)
 TEXT
 
+# in the view, which plays it, and goes to moments
+printf '%s\n' '0 show hud' '0 show markers' '0 exposure 0' '1 play' '4 pause' '10 scrub 1' '30 screenshot played.exr' >play.txt
+view=(view moving.glb --quality draft --size 96x64 --script play.txt --frames 31)
+succeeds "${view[@]}" --record played --threads 2
+for pair in '0001 0003' '0008 0012'; do
+    read -r a b <<<"$pair"
+    cmp -s played/frame-$a.png played/frame-$b.png && complain "nothing moves from frame $a to $b"
+done
+succeeds render moving.glb -o there.exr --size 96x64 --spp 16 --mode operator --quality draft --time 1
+succeeds compare there.exr played.exr
+says '^mean_ratio *\(1.0[01]\|0.9[89]\)'
+printf '0 play\n' >play.txt
+refuses 1 'only glTF files are played' view cornell-blocks --quality draft --size 32x32 --script play.txt --record "$out/x"
+
 refuses 1 "has no animation 'rise'" render moving.glb -o "$out/x.exr" "${quick[@]}" --time 0 --clip rise
 refuses 1 'holds no animation' render room.glb -o "$out/x.exr" "${quick[@]}" --time 0
 refuses 1 'only glTF files are animated' render cornell-blocks -o "$out/x.exr" "${quick[@]}" --time 0

@@ -5,6 +5,7 @@
 #include "operator/tracked_rows.h"
 #include "resolvent/render.h"
 #include "resolvent/update.h"
+#include "scene/moved.h"
 #include "slow_tests.h"
 
 #include <math.h>
@@ -186,6 +187,7 @@ static void check_way(
             follow(by_steps, &s, motion_of(&s, v3_scale(shift, part), part * turn, axis.x, axis.z))
                 .kept_row_rays;
     }
+    follow(by_steps, &s, motion_of(&s, shift, turn, axis.x, axis.z)); // at rest: divided as at once
     follow(at_once, &s, motion_of(&s, shift, turn, axis.x, axis.z));
     assert_true(kept > 0);
     check_rows(by_steps, at_once);
@@ -338,32 +340,35 @@ static rsv_scene *open_door(const stage *s, float angle)
     return moved(s, motion_of(s, v3(0, 0, 0), shut - angle, 0, -0.43f));
 }
 
-/// A door that opens: light floods the dark room. While it is nearly shut, what little light passes is that of coarse elements
-/// below it, which are not divided anew (docs/limits.md): from the second moment on.
+/// A door that opens, nearly shut at first: light floods the dark room. Solves of the first moments differ by up to 9 % from one
+/// set of random numbers to the next with 64 rays a row, by 0.3 % of the last one with these.
 static void doors_let_light_in(void **state)
 {
     (void)state;
-    enum { MOMENTS = 4 };
+    enum { MOMENTS = 6 };
+    static const float angle[MOMENTS] = { 0.05f, 0.12f, 0.25f, 0.45f, 0.7f, 0.9f };
     stage s = open_stage("two-rooms", "door");
-    const rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.rays_per_element = 1024;
+    desc.light_samples *= 4;
     rsv_scene *shut = open_door(&s, 0.02f);
     rsv_light *light = solve(shut, &desc);
-    double before = mean_below(light, 0.5f), mine = 0;
-    for (int k = 1; k <= MOMENTS; k++) {
-        rsv_scene *there = open_door(&s, 0.9f * (float)k / MOMENTS);
+    double before = mean_below(light, 0.5f), mine = 0, sum = 0;
+    for (int k = 0; k < MOMENTS; k++) {
+        rsv_scene *there = open_door(&s, angle[k]);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
         rsv_light *fresh = solve(there, &desc);
         double wanted = mean_below(fresh, 0.5f);
         mine = mean_below(light, 0.5f);
-        if (k > 1 && fabs(mine / wanted - 1) > 0.05) fail_msg("%d: %g, not %g", k, mine, wanted);
+        if (fabs(mine / wanted - 1) > 0.05) fail_msg("%d: %g, not %g", k, mine, wanted);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK); // it rests
         mine = mean_below(light, 0.5f);
-        // 1 % is what is wanted: 2.2 % were measured, as coarse elements stay undivided
-        if (k > 1 && fabs(mine / wanted - 1) > 0.05)
-            fail_msg("%d, at rest: %g, not %g", k, mine, wanted);
+        if (fabs(mine / wanted - 1) > 0.03) fail_msg("%d, at rest: %g, not %g", k, mine, wanted);
+        sum += mine / wanted - 1;
         rsv_light_destroy(fresh);
         rsv_scene_destroy(there);
     }
+    if (fabs(sum) > 0.01 * MOMENTS) fail_msg("at rest: off by %.2f %%", 100 * sum / MOMENTS);
     assert_true(mine > before);
     rsv_light_destroy(light);
     rsv_scene_destroy(shut);
@@ -382,11 +387,35 @@ static void other_scenes_are_refused(void **state)
     double before = rsv_light_report(light)->mean_irradiance;
     assert_int_equal(rsv_scene_builtin(s.context, "cornell-spheres", &other), RSV_OK);
     assert_int_equal(rsv_light_follow(light, other, NULL), RSV_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(rsv_last_error(), "solve it anew"));
+    assert_non_null(strstr(rsv_last_error(), "solve it again"));
     assert_true(rsv_light_report(light)->mean_irradiance == before);
     assert_int_equal(rsv_light_follow(light, s.scene, NULL), RSV_OK); // it goes on
     rsv_scene_destroy(other);
     rsv_light_destroy(light);
+    close_stage(&s);
+}
+
+/// Whether a light would follow a motion, as far as the scene is concerned.
+static rsv_status compare_moved(const stage *s, rsv_motion motion)
+{
+    rsv_scene_difference difference;
+    rsv_scene *there = moved(s, motion);
+    rsv_status status = rsv_scene_find_moved(s->scene, there, &difference);
+    rsv_free(s->context, difference.moved);
+    rsv_scene_destroy(there);
+    return status;
+}
+
+/// Translucent bodies may move and turn, but have the shape that light diffuses in.
+static void translucent_bodies_keep_their_shape(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-marble", "marble");
+    rsv_motion taller = motion_of(&s, v3(0, 0, 0), 0, 0, 0);
+    taller.matrix[5] = 1.01f;
+    assert_int_equal(compare_moved(&s, motion_of(&s, v3(0.02f, 0.01f, 0), 0.5f, 0, 0)), RSV_OK);
+    assert_int_equal(compare_moved(&s, taller), RSV_ERROR_UNSUPPORTED);
+    if (!strstr(rsv_last_error(), "changes its shape")) fail_msg("%s", rsv_last_error());
     close_stage(&s);
 }
 
@@ -421,11 +450,12 @@ int main(int argc, char **argv)
         cmocka_unit_test(light_is_that_of_solves),
         cmocka_unit_test(lamps_that_move_take_their_light_along),
         cmocka_unit_test(other_scenes_are_refused),
+        cmocka_unit_test(translucent_bodies_keep_their_shape),
         cmocka_unit_test(objects_may_go_through_walls),
     };
     const struct CMUnitTest slow[] = {
-        cmocka_unit_test(doors_let_light_in),
         cmocka_unit_test(light_of_twenty_places_is_that_of_solves),
+        cmocka_unit_test(doors_let_light_in),
     };
     return RUN_HALF(argc, argv, quick, slow);
 }

@@ -32,16 +32,21 @@ static const word words[] = {
     { "nudge", CLI_VIEW_NUDGE, "nnn" },
     { "orbit", CLI_VIEW_ORBIT, "nn" },
     { "panorama", CLI_VIEW_PANORAMA, "t" },
+    { "pause", CLI_VIEW_PAUSE, "" },
     { "pick", CLI_VIEW_PICK, "nn" },
     { "place", CLI_VIEW_PLACE, "nnnn" },
+    { "play", CLI_VIEW_PLAY, "" },
     { "point", CLI_VIEW_POINT, "nn" },
     { "quit", CLI_VIEW_QUIT, "" },
     { "release", CLI_VIEW_RELEASE, "" },
     { "reset", CLI_VIEW_RESET, "" },
     { "screenshot", CLI_VIEW_SCREENSHOT, "t" },
+    { "scrub", CLI_VIEW_SCRUB, "n" },
     { "select", CLI_VIEW_SELECT, "t" },
     { "separation", CLI_VIEW_SEPARATION, "n" },
     { "show", CLI_VIEW_SHOW, "t" },
+    { "speed", CLI_VIEW_SPEED, "n" },
+    { "step", CLI_VIEW_STEP, "n" },
     { "tint", CLI_VIEW_TINT, "nnn" },
     { "tone", CLI_VIEW_TONE, "t" },
     { "turn", CLI_VIEW_TURN, "n" },
@@ -136,8 +141,12 @@ bool cli_view_needs_light(cli_view_verb verb)
     case CLI_VIEW_MOVE:
     case CLI_VIEW_NUDGE:
     case CLI_VIEW_PANORAMA:
+    case CLI_VIEW_PAUSE:
+    case CLI_VIEW_PLAY:
     case CLI_VIEW_SCREENSHOT:
+    case CLI_VIEW_SCRUB:
     case CLI_VIEW_SELECT:
+    case CLI_VIEW_STEP:
     case CLI_VIEW_TINT:
     case CLI_VIEW_TURN:
         return true;

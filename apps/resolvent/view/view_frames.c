@@ -140,10 +140,29 @@ static rsv_status add_lights(cli_view_frames *f, const cli_view_state *state)
     return status;
 }
 
+void cli_view_frames_detach(cli_view_frames *f)
+{
+    f->relighter = NULL;
+    f->converged = true;
+}
+
+rsv_status cli_view_frames_begin_again(cli_view_frames *f)
+{
+    rsv_status status = RSV_OK;
+    free_pictures(f);
+    f->samples = 0;
+    if (f->mover) {
+        rsv_mover_destroy(f->mover);
+        f->mover = NULL;
+        f->object_changes = UINT32_MAX; // to be placed again
+        status = rsv_mover_create(f->solution, f->body, NULL, &f->mover);
+    }
+    return status;
+}
+
 /// Has pictures and mover show the light as it is, anew where it has other elements.
 static rsv_status show_light(cli_view_frames *f)
 {
-    rsv_status status = RSV_OK;
     uint32_t replacements = rsv_relighter_replacements(f->relighter);
     if (replacements == f->replacements) {
         rsv_frame_renderer_refresh(f->renderer);
@@ -152,13 +171,7 @@ static rsv_status show_light(cli_view_frames *f)
         return RSV_OK;
     }
     f->replacements = replacements;
-    free_pictures(f);
-    if (f->mover) {
-        rsv_mover_destroy(f->mover);
-        f->mover = NULL;
-        f->object_changes = UINT32_MAX; // to be placed again
-        status = rsv_mover_create(f->solution, f->body, NULL, &f->mover);
-    }
+    rsv_status status = cli_view_frames_begin_again(f);
     return status == RSV_OK ? fit(f, f->eyes, f->width, f->height) : status;
 }
 

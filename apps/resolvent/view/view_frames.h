@@ -38,6 +38,11 @@ void cli_view_frames_keep_pace(cli_view_frames *frames);
 /// From here on the light follows the state. @param relighter of the frames' light; borrowed
 rsv_status cli_view_frames_attach(cli_view_frames *frames, rsv_relighter *relighter);
 
+/// From here on the light stays as it is, as far as the state is concerned.
+void cli_view_frames_detach(cli_view_frames *frames);
+/// Has pictures and object show the light anew, whose surfaces are elsewhere.
+rsv_status cli_view_frames_begin_again(cli_view_frames *frames);
+
 /// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest, and where
 /// a light that was moved has come to rest and gets finer elements.
 /// @param canvas as large as the frame is to be @param state its aspect is set

@@ -13,6 +13,7 @@ typedef struct cli_view_hud {
     cli_view_timing mean;               ///< running, so that digits can be read
     char message[CLI_VIEW_TEXT_LENGTH]; ///< "" = none
     uint32_t message_frames;            ///< that it has been shown for
+    double lag_ms;                      ///< that the light is behind the animation
     const char *quality;                ///< of the light on show
     char reading[32];                   ///< under the mouse; "" = none
     char making[CLI_VIEW_TEXT_LENGTH];  ///< what is being made meanwhile; "" = nothing

@@ -11,6 +11,7 @@ typedef struct cli_lit {
     rsv_light *light;
     rsv_relighter *relighter; ///< NULL = none yet
     cli_view_frames *frames;
+    bool follows; ///< it has followed what moves: there is no relighter any more
 } cli_lit;
 
 void cli_free_lit(cli_lit *lit);

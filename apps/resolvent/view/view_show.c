@@ -1,5 +1,7 @@
 #include "view_show.h"
 
+#include "resolvent/update.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +37,7 @@ void cli_show_end(cli_view_show *s)
 
 bool cli_show_is_lit(const cli_view_show *s) { return s->lit.frames != NULL; }
 
-bool cli_show_is_complete(const cli_view_show *s) { return s->lit.relighter != NULL; }
+bool cli_show_is_complete(const cli_view_show *s) { return s->lit.relighter || s->lit.follows; }
 
 static void note_event(cli_view_show *s, const char *name)
 {
@@ -87,6 +89,20 @@ rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
     cli_refiner_stop(s->refiner);
     s->refiner = NULL;
     return status;
+}
+
+rsv_status cli_show_follow(cli_view_show *s, cli_view_state *state, const rsv_scene *scene)
+{
+    if (s->fade > 0) end_fade(s);
+    cli_view_frames_detach(s->lit.frames);
+    rsv_relighter_destroy(s->lit.relighter);
+    s->lit.relighter = NULL;
+    s->lit.follows = true;
+    rsv_status status = rsv_light_follow(s->lit.light, scene, NULL);
+    if (status == RSV_OK) status = cli_view_frames_begin_again(s->lit.frames);
+    if (status != RSV_OK && status != RSV_ERROR_UNSUPPORTED) return status;
+    rsv_status made = begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;
+    return status == RSV_OK ? made : status;
 }
 
 // ---- frames -------------------------------------------------------------------------------------

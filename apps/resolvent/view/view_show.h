@@ -55,6 +55,10 @@ rsv_status cli_show_update(cli_view_show *show, cli_view_state *state);
 rsv_status cli_show_frame(
     cli_view_show *show, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing);
 
+/// Takes the light to a version of the scene in which surfaces are elsewhere; from then on sources and materials stay as they
+/// are. After an error other than RSV_ERROR_UNSUPPORTED nothing can be shown any more.
+rsv_status cli_show_follow(cli_view_show *show, cli_view_state *state, const rsv_scene *scene);
+
 /// Whether a further frame would look the same, or hardly any better while the next light is waited for.
 bool cli_show_at_rest(const cli_view_show *show);
 

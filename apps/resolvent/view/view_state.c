@@ -56,6 +56,7 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
         .hud = true,
         .markers = true,
         .separation = 0.064f,
+        .speed = 1,
         .home_rotation = view->environment ? view->environment->rotation : 0 };
     s->item = calloc(most + 1, sizeof *s->item);
     s->home = calloc(most + 1, sizeof *s->home);
@@ -79,6 +80,13 @@ void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
     s->markers = earlier->markers;
     s->separation = earlier->separation;
     s->quit = earlier->quit;
+    s->plays = earlier->plays;
+    s->sought = earlier->sought;
+    s->time = earlier->time;
+    s->length = earlier->length;
+    s->speed = earlier->speed;
+    s->points = earlier->points;
+    memcpy(s->pointer, earlier->pointer, sizeof s->pointer);
     if (s->object >= s->item_count || earlier->object >= earlier->item_count) return;
     s->item[s->object].offset = earlier->item[earlier->object].offset;
     s->object_turn = earlier->object_turn;
@@ -239,6 +247,17 @@ static void lead_camera(cli_view_state *s, const cli_view_command *c)
         s->camera = before;
 }
 
+/// The animation: plays on, rests, goes to a moment, or runs faster.
+static void lead_animation(cli_view_state *s, const cli_view_command *c)
+{
+    if (c->verb == CLI_VIEW_PLAY) s->plays = !s->plays;
+    if (c->verb == CLI_VIEW_PAUSE) s->plays = false;
+    if (c->verb == CLI_VIEW_SPEED) s->speed = c->number[0];
+    if (c->verb == CLI_VIEW_SCRUB) s->time = c->exact[0];
+    if (c->verb == CLI_VIEW_STEP) s->time = fmax(s->time + c->exact[0], 0);
+    s->sought = s->sought || c->verb == CLI_VIEW_SCRUB || c->verb == CLI_VIEW_STEP;
+}
+
 /// Commands that cannot fail.
 static void apply_plain(cli_view_state *s, const cli_view_command *c)
 {
@@ -298,6 +317,13 @@ bool cli_view_apply(cli_view_state *s, const cli_view_command *c, char *problem)
         return set_tone(s, c->text, problem);
     case CLI_VIEW_TURN:
         return turn_to(s, s->env_rotation + n[0], problem);
+    case CLI_VIEW_PAUSE:
+    case CLI_VIEW_PLAY:
+    case CLI_VIEW_SCRUB:
+    case CLI_VIEW_SPEED:
+    case CLI_VIEW_STEP:
+        lead_animation(s, c);
+        return true;
     case CLI_VIEW_DOLLY:
     case CLI_VIEW_FLY:
     case CLI_VIEW_LOOK:

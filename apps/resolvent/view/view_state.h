@@ -72,6 +72,10 @@ typedef struct cli_view_state {
     float object_turn;       ///< degrees
     uint32_t light_changes;  ///< counts everything that changes the light
     uint32_t object_changes; ///< and the object's place
+    bool plays;              ///< the scene's animation
+    bool sought;             ///< `time` was set: the light is to follow there
+    double time, length;     ///< s into the animation; that it lasts, 0 = not known yet
+    float speed;             ///< seconds of the animation in a second
     bool quit;
     char screenshot[CLI_VIEW_TEXT_LENGTH]; ///< files wanted; "" = none
     char panorama[CLI_VIEW_TEXT_LENGTH];

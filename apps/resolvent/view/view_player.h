@@ -1,0 +1,33 @@
+/// The animation of a scene, played in the view: the light follows what moves, and lags behind it by as long as that takes.
+#ifndef CLI_VIEW_PLAYER_H
+#define CLI_VIEW_PLAYER_H
+
+#include "view_show.h"
+
+typedef struct cli_view_player {
+    cli_session *session;
+    const char *path, *clip_name; ///< of the scene's file; NULL = the first clip
+    double step;                  ///< s from frame to frame; 0 = as the clock says
+    rsv_animation *animation;     ///< the session's, borrowed; NULL = not looked at yet
+    uint32_t clip;
+    rsv_scene *scene;      ///< that the light has followed to; NULL = none yet
+    double followed;       ///< s into the animation that this is at
+    double clock;          ///< cli_seconds() of the last frame
+    uint32_t quiet_frames; ///< at the same moment
+    bool settled;          ///< the light rests there
+} cli_view_player;
+
+/// Whether a file may hold an animation.
+bool cli_view_is_playable(const char *path);
+
+/// Takes time and light on where the animation plays, or was moved to another moment.
+/// @param state its animation's length is set as soon as that is known @param problem out: why it cannot, with room for
+/// CLI_VIEW_TEXT_LENGTH bytes; it rests then
+/// @param lag_ms out: how far the light on show will be behind; 0 = not at all
+/// @return false after such a problem
+bool cli_view_play(cli_view_player *player, cli_view_show *show, cli_view_state *state,
+    double *lag_ms, char *problem);
+
+void cli_view_player_end(cli_view_player *player);
+
+#endif
