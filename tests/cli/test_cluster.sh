@@ -108,7 +108,7 @@ mpirun --oversubscribe --mca mpi_yield_when_idle 1 --mca btl tcp,self -n 1 "$pro
     -n 1 bash -c 'ulimit -f 400; exec "$0" "$@"' "$program" "${long[@]}" >stdout 2>stderr </dev/null || status=$?
 ((status == 1)) || complain "exit status $status, not 1, with a full disk"
 ((SECONDS < 30)) || complain "it took $SECONDS s to end with a full disk"
-[[ $(grep -c '^error: process 1 of 2: checkpoint: cannot write .*: File too large; with that mended' stderr) == 1 ]] ||
+[[ $(grep -c '^error: process 1 of 2: checkpoint: cannot write .*: File too large; once that is fixed' stderr) == 1 ]] ||
     complain "a full disk is not said once"
 [[ ! -e killed.safetensors ]] || complain "half a file on a full disk"
 thrive 2 "${long[@]}" -o resumed.safetensors --resume

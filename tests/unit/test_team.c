@@ -276,7 +276,7 @@ static void different_scenes_are_refused(void **state)
     run_team(3, run_member, &j);
     for (uint32_t r = 0; r < 3; r++) {
         assert_int_equal(j.status[r], RSV_ERROR_ARGUMENT);
-        assert_non_null(strstr(j.message[r], "process 1 of 3: its scene is not"));
+        assert_non_null(strstr(j.message[r], "process 1 of 3: its scene differs"));
     }
 }
 

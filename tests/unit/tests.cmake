@@ -112,10 +112,10 @@ endforeach()
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent relight_again PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
-        plan random_scenes shadows update)
+        plan random_scenes shadows)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input probe_errors random_certificates random_scenes rough_box solve)
+foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input probe_errors random_certificates random_scenes rough_box solve update)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)
