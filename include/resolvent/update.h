@@ -66,8 +66,9 @@ RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_d
 /// with the same scene, once all rests, it divides elements as a solve would.
 ///
 /// The first time, rows are traced as a whole, so that their rays are known from then on: 7 bytes each and more. Orders are
-/// not kept apart any more (rsv_light_order_count is 0), and parts of single lights (relight.h) are forgotten. Renderers of
-/// the light show it after that; whoever holds its operator keeps what that was.
+/// not kept apart any more (rsv_light_order_count is 0), and parts of single lights (relight.h) are forgotten: lights keep
+/// their present strengths, and one that was relit to 0 cannot be switched on again. Renderers of the light show it after
+/// that; whoever holds its operator keeps what that was.
 ///
 /// RSV_ERROR_UNSUPPORTED, and the light as it was, where `scene` has other triangles, materials or lights, where light follows
 /// what scatters below its surface and changes its shape, and in teams of several processes. After any other failure the light
