@@ -290,9 +290,13 @@ void cli_print_moving(const cJSON *result)
     printf("  differ by              %.2f %% RMS, means at most by %.2f %%\n",
         100 * cli_json_number(result, "difference"),
         100 * cli_json_number(result, "worst_mean_difference"));
-    printf("  light of 1, 2, 4 frames before is off by %.1f, %.1f, %.1f %%\n",
-        100 * cli_json_number(result, "lag_1"), 100 * cli_json_number(result, "lag_2"),
-        100 * cli_json_number(result, "lag_4"));
+    for (int n = 0; n < LAGS; n++) {
+        char name[32];
+        snprintf(name, sizeof name, "lag_%u", lag_frames[n]);
+        double lag = cli_json_number(result, name); // not a number where there are too few frames
+        if (lag >= 0)
+            printf("  light of %u frames before is off by %.1f %%\n", lag_frames[n], 100 * lag);
+    }
 }
 
 bool cli_write_moving_csv(const char *path, const cJSON *scenes)

@@ -167,12 +167,13 @@ cleanup:
     return status;
 }
 
-static void drop_orders(rsv_light *s)
+void rsv_light_drop_orders(rsv_light *s)
 {
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         rsv_free(s->context, s->field.order[k]);
         s->field.order[k] = NULL;
     }
+    s->field.order_count = 0;
 }
 
 rsv_status rsv_light_take_levels(rsv_light *s, const rsv_light *from)
@@ -196,7 +197,7 @@ rsv_status rsv_light_assign(rsv_light *s, const rsv_light *from)
     copy_field(from->field.gathered, nodes, s->field.gathered);
     copy_field(from->field.irradiance, nodes, s->field.irradiance);
     copy_field(from->field.indirect, nodes, s->field.indirect);
-    drop_orders(s);
+    rsv_light_drop_orders(s);
     RSV_TRY(copy_orders(from, s));
     RSV_TRY(rsv_light_take_levels(s, from));
     rsv_diffused_level_destroy(s->context, &s->field.diffused);

@@ -137,12 +137,9 @@ rsv_status rsv_light_diffuse(rsv_light *s)
     return status;
 }
 
-static void drop_orders(rsv_light *s)
+static void drop_fields(rsv_light *s)
 {
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
-        rsv_free(s->context, s->field.order[k]);
-        s->field.order[k] = NULL;
-    }
+    rsv_light_drop_orders(s);
     rsv_free(s->context, s->field.irradiance);
     rsv_free(s->context, s->field.indirect);
     s->field.irradiance = s->field.indirect = NULL;
@@ -153,7 +150,7 @@ static rsv_status solve_by(rsv_light *s, rsv_status (*solve)(rsv_light *light))
 {
     rsv_status status;
     double start = rsv_seconds();
-    drop_orders(s);
+    drop_fields(s);
     RSV_TRY(solve(s));
     rsv_diffused_level_destroy(s->context, &s->field.diffused);
     RSV_TRY(rsv_diffused_level_create(s));

@@ -96,11 +96,7 @@ static rsv_status carry_all(rsv_light_motion *m, const rsv_divided_elements *d)
     RSV_TRY(carry(then, d, &f->gathered));
     RSV_TRY(carry(then, d, &f->irradiance));
     RSV_TRY(carry(then, d, &f->indirect));
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
-        rsv_free(s->context, f->order[k]);
-        f->order[k] = NULL;
-    }
-    f->order_count = 0;
+    rsv_light_drop_orders(s);
 cleanup:
     return status;
 }

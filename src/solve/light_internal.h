@@ -48,6 +48,9 @@ rsv_status rsv_light_part_world(rsv_light *light);
 /// Says in the log what a reader of the solution must know.
 void rsv_light_warn_if_unbounded(const rsv_light *light);
 
+/// Frees the orders that are kept apart; there are none then.
+void rsv_light_drop_orders(rsv_light *light);
+
 /// Solves E = E0 + G K E: keeps the first orders of light one by one, leaves the rest to the solver that the description
 /// asks for or the norm suggests. Fills the report.
 /// @param max_orders applications of G K at most

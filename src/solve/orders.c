@@ -507,15 +507,6 @@ cleanup:
     return status;
 }
 
-static void drop_orders(rsv_light *s)
-{
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
-        rsv_free(s->context, s->field.order[k]);
-        s->field.order[k] = NULL;
-    }
-    s->field.order_count = 0;
-}
-
 rsv_status rsv_solve_on(rsv_light *s)
 {
     rsv_status status;
@@ -524,7 +515,7 @@ rsv_status rsv_solve_on(rsv_light *s)
         .term = rsv_alloc(s->context, nodes, sizeof *q.term),
         .next = rsv_alloc(s->context, nodes, sizeof *q.next) };
     RSV_TRY(q.term && q.next ? RSV_OK : RSV_ERROR_MEMORY);
-    drop_orders(s);
+    rsv_light_drop_orders(s);
     RSV_TRY(rsv_operator_map(s->op, 1, &q.map));
     s->report.norm_inf = operator_norm(&q);
     q.resolvent = resolvent_of(&s->report);
