@@ -60,10 +60,11 @@ RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_d
     rsv_update_store *store, rsv_light **light, rsv_update_report *report);
 
 /// Takes a light to another version of its scene in which surfaces are elsewhere or have other shapes, and punctual lights
-/// shine from elsewhere: a later frame of an animation, or the scene after something was dragged. In place, and at a small part
-/// of the cost of an update: only what moved, rays that its old or new place touches, and light that it may have hidden or let
-/// through are computed again, and elements are divided again where surfaces touch now. Splits pile up on the way; called again
-/// with the same scene, once all rests, it divides elements as a solve would.
+/// shine from elsewhere: a later frame of an animation, or the scene after something was dragged. In place, and where
+/// little moves at a small part of the cost of a solve: only what moved, rays that its old or new place touches, and light that
+/// it may have hidden or let through are computed again, and elements are divided again where surfaces touch now. Where much
+/// moves, an update can cost less. Splits pile up on the way; called again with the same scene, once all rests, it divides
+/// elements as a solve would.
 ///
 /// The first time, rows are traced as a whole, so that their rays are known from then on: 7 bytes each and more. Orders are
 /// not kept apart any more (rsv_light_order_count is 0), and parts of single lights (relight.h) are forgotten: lights keep
