@@ -6,7 +6,7 @@ function __resolvent_words
     set -l current (commandline -ct)
     if test (count $words) -eq 1
         $program --help 2>/dev/null | sed -n '/^commands:/,/^$/s/^  \([a-z]*\) */\1\t/p'
-        printf -- '--help\n--version\n'
+        printf '%s\n' --help --version
     else if string match -q -- '-*' $current
         $program $words[2] --help all 2>/dev/null |
             sed -nE 's/^  (--?[a-z][a-z-]*)( [A-Z][^ ]*)* +(.*)/\1\t\3/p' | sort -u

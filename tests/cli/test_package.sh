@@ -39,9 +39,9 @@ _resolvent
 if command -v fish >/dev/null; then
     [[ -s $prefix/share/fish/vendor_completions.d/resolvent.fish ]]
     offered=$(PATH=$prefix/bin:$PATH fish -N -c "source $prefix/share/fish/vendor_completions.d/resolvent.fish
-        complete -C 'resolvent rend'; complete -C 'resolvent render --expo'
+        complete -C 'resolvent rend'; complete -C 'resolvent --vers'; complete -C 'resolvent render --expo'
         complete -C 'resolvent render --quality m'; complete -C 'resolvent render cornell-pl'" | cut -f1)
-    [[ $offered == $'render\n--exposure\nmedium\ncornell-plaster' ]]
+    [[ $offered == $'render\n--version\n--exposure\nmedium\ncornell-plaster' ]]
 fi
 ! command -v zsh >/dev/null || zsh -n "$prefix/share/zsh/vendor-completions/_resolvent"
 
