@@ -7,11 +7,11 @@
 /// Largest spectral radius that is believed: more would make any reading worthless.
 #define MOST_RADIUS 0.99
 
-/// Squared departures of a field, at the nodes around each edge, and of each cell's own edges.
+/// Squared departures of a field.
 typedef struct departures {
     const rsv_elements *elements;
-    rsv_rgb *square; ///< [node_count] r: sum, g: how many
-    rsv_rgb *own;    ///< [cell_count] likewise; NULL = not asked for
+    rsv_rgb *square; ///< [node_count] around each node, r: sum, g: how many
+    float *largest;  ///< [cell_count] of each cell's own edges; NULL = not asked for
 } departures;
 
 static void note(void *user, uint32_t cell, uint32_t other, float bend)
@@ -25,17 +25,17 @@ static void note(void *user, uint32_t cell, uint32_t other, float bend)
             square->r += departure * departure;
             square->g += 1;
         }
-    for (int side = 0; d->own && side < (cell == other ? 1 : 2); side++) {
-        d->own[around[side]].r += departure * departure;
-        d->own[around[side]].g += 1;
+    for (int side = 0; d->largest && side < 2; side++) {
+        float *largest = &d->largest[around[side]];
+        *largest = f_max(*largest, departure * departure);
     }
 }
 
-/// Adds the variances of a field's nodes to `variance`. @param own see departures
+/// Adds the variances of a field's nodes to `variance`. @param largest see departures
 static rsv_status add_variance(
-    const rsv_elements *e, const rsv_rgb *field, rsv_rgb *square, rsv_rgb *variance, rsv_rgb *own)
+    const rsv_elements *e, const rsv_rgb *field, rsv_rgb *square, rsv_rgb *variance, float *largest)
 {
-    departures d = { e, square, own };
+    departures d = { e, square, largest };
     for (size_t n = 0; n < e->node_count; n++)
         square[n] = rgb_gray(0);
     // an edge without any departure counts too: no node is then more certain than it looks
@@ -85,7 +85,7 @@ static rsv_status find_variance(
     if (square && variance->node && variance->cell)
         status = add_variance(e, field, square, variance->node, variance->cell);
     for (size_t c = 0; status == RSV_OK && c < e->cell_count; c++)
-        if (variance->cell[c].g > 0) variance->cell[c].r /= 4 * variance->cell[c].g;
+        variance->cell[c] /= 8;
     rsv_free(e->context, square);
     return status;
 }
@@ -96,15 +96,15 @@ static void free_variance(rsv_context *context, rsv_field_noise *variance)
     rsv_free(context, variance->cell);
 }
 
-/// At the edge of a shadow only the cells that it crosses are wrong, and nodes average over many more. Noise alone makes the
-/// larger of the two a third larger in the mean.
+/// At the edge of a shadow only the cells that it crosses are wrong, and nodes average over many more. Where noise is all
+/// there is, the largest of three squares is twice their mean, and the larger of the two estimates up to half too large.
 static double variance_at(
     const rsv_elements *e, const rsv_field_noise *variance, uint32_t face, float u, float v)
 {
     float weight[3];
     uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
     double around = (double)rsv_elements_interpolate(e, variance->node, face, u, v).r;
-    return fmax(around, (double)variance->cell[cell].r);
+    return fmax(around, (double)variance->cell[cell]);
 }
 
 /// The elements that hold direct light.

@@ -12,7 +12,7 @@
 /// Variance of the luminance of a field that elements hold.
 typedef struct rsv_field_noise {
     rsv_rgb *node; ///< [node_count] r: the variance, constrained; NULL = not known
-    rsv_rgb *cell; ///< [cell_count] r: as the cell's own edges show it
+    float *cell;   ///< [cell_count] as the cell's own edges show it
 } rsv_field_noise;
 
 typedef struct rsv_stored_noise {
