@@ -762,6 +762,29 @@ static void refinement_reaches_its_target(void **state)
     world_end(w);
 }
 
+/// Frames that touch their walls are most of what errs here: rounds do not run away.
+static void a_gallery_reaches_its_target(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "gallery:1");
+    const rsv_error_target target = rsv_default_error_target(0.03);
+    const rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_light *s;
+    rsv_certificate c;
+    rsv_error_stop stop;
+    if (rsv_solve_to_error(w->scene, &desc, &target, &s, &c, &stop) != RSV_OK)
+        fail_msg("%s", rsv_last_error());
+    print_message("%.2f %% (to %.2f) with %zu elements\n",
+        100 * c.error_estimate_rms / c.irradiance_rms,
+        100 * c.error_estimate_ci95[1] / c.irradiance_rms, rsv_light_report(s)->rows);
+    assert_int_equal(stop, RSV_ERROR_TARGET_REACHED);
+    assert_true(rsv_light_report(s)->rows < 100000);
+    rsv_certificate other = certify(s, 4096, 77);
+    assert_true(other.error_estimate_ci95[0] <= 0.03 * other.irradiance_rms);
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 /// Whatever the seed, what is said to be reached is so by many other points.
 static void a_target_is_not_reached_by_luck(void **state)
 {
@@ -1015,6 +1038,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(estimates_fall_as_errors_do),
         cmocka_unit_test(a_target_is_not_reached_by_luck),
+        cmocka_unit_test(a_gallery_reaches_its_target),
         cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
     };
     return RUN_THIRD(argc, argv, quick, slow, longest);
