@@ -251,6 +251,21 @@ static void put_near_vertex(FILE *to, const char *arguments, const double origin
     fprintf(to, "%s\n", rest ? rest : "");
 }
 
+/// Colours of a material in a library that were given.
+typedef struct given_colors {
+    bool diffuse, specular;
+} given_colors;
+
+/// Of a texture without the colour that it multiplies, this is white; importers make up another.
+static void put_missing_color(FILE *to, const char *word, given_colors *given)
+{
+    if (strcasecmp(word, "newmtl") == 0) *given = (given_colors){ false, false };
+    if (strcasecmp(word, "Kd") == 0) given->diffuse = true;
+    if (strcasecmp(word, "Ks") == 0) given->specular = true;
+    if (strcasecmp(word, "map_Kd") == 0 && !given->diffuse) fputs("Kd 1 1 1\n", to);
+    if (strcasecmp(word, "map_Ks") == 0 && !given->specular) fputs("Ks 1 1 1\n", to);
+}
+
 static void put_statement(FILE *to, char *line, bool is_library, const double origin[3])
 {
     char word[WORD_BYTES];
@@ -280,9 +295,13 @@ char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3])
     if (to) {
         join_lines(text, *size);
         find_origin(is_library ? NULL : text, origin);
+        given_colors given = { false, false };
         for (char *line = text, *next; line; line = next) {
+            char word[WORD_BYTES];
             next = strchr(line, '\n');
             if (next) *next++ = '\0';
+            copy_word(line, word);
+            if (is_library) put_missing_color(to, word, &given);
             put_statement(to, line, is_library, origin);
         }
         if (fclose(to) != 0) {
