@@ -43,7 +43,7 @@ static bool is_known(const char *key)
         "$mat.shinpercent", "$mat.refracti", "$mat.metallicFactor", "$mat.roughnessFactor",
         "$mat.sheen.roughnessFactor", "$clr.sheen.factor", "$mat.clearcoat.factor",
         "$mat.clearcoat.roughnessFactor", "$mat.transmission.factor", "$mat.emissiveIntensity",
-        "$mat.wireframe", "$mat.blend", "$mat.gltf.pbrMetallicRoughness", "$mat.bumpscaling" };
+        "$mat.wireframe", "$mat.blend", "$mat.gltf.pbrMetallicRoughness" };
     static const char *const prefixes[] = { "$tex.", "$raw.", "?bg.", "?sh." };
     for (size_t k = 0; k < sizeof known / sizeof *known; k++)
         if (strcmp(key, known[k]) == 0) return true;

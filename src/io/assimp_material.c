@@ -234,9 +234,9 @@ static void take_blender_collada(
 /// Whether a file states metal and roughness as such. The importer of .fbx makes a roughness of every shininess.
 static bool is_metallic_roughness(const struct aiMaterial *source, rsv_file_kind kind)
 {
-    bool phong = kind == RSV_FILE_FBX && has_float(source, "$raw.Shininess", 0, 0);
+    bool made = kind == RSV_FILE_FBX && has_float(source, "$raw.Shininess", 0, 0);
     return has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
-           (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR) && !phong);
+           (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR) && !made);
 }
 
 static void warn_of_losses(const rsv_context *context, const rsv_material *material)

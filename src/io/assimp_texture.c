@@ -2,6 +2,7 @@
 
 #include "../core/vec.h"
 
+#include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 #include <math.h>
 #include <stdlib.h>
@@ -35,8 +36,6 @@ static const slot slots[] = {
         OF_PHONG | OF_BLENDER },
     { aiTextureType_METALNESS, RSV_TEXTURE_METALLIC_ROUGHNESS, false, RSV_TEXTURE_GREY_IS_BLUE,
         OF_METALLIC | OF_BLENDER },
-    { aiTextureType_REFLECTION, RSV_TEXTURE_METALLIC_ROUGHNESS, false, RSV_TEXTURE_GREY_IS_BLUE,
-        OF_BLENDER },
     { aiTextureType_SPECULAR, RSV_TEXTURE_SPECULAR_COLOR, true, RSV_TEXTURE_AS_IT_IS,
         OF_PHONG | OF_BLENDER },
 };
@@ -187,7 +186,7 @@ static float bump_scale(const painted *p, const slot *s)
     float value = 1;
     unsigned one = 1;
     if (s->type != aiTextureType_HEIGHT || p->maker->kind != RSV_FILE_OBJ) return 1;
-    if (aiGetMaterialFloatArray(p->source, AI_MATKEY_BUMPSCALING, &value, &one) !=
+    if (aiGetMaterialFloatArray(p->source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0), &value, &one) !=
             aiReturn_SUCCESS ||
         !isfinite(value) || value == 0)
         return 1;

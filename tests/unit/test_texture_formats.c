@@ -395,7 +395,8 @@ static void textures_that_cannot_be_read_are_named(void **state)
     assert_left_out(f, path, "material 'paint': its texture 'torn.png' is left out: cannot read");
     assert_mentions(f->log, "'none.png' is left out: there is no such file");
     path = write_obj(&place, "Kd 1 1 1\ndisp torn.png\nrefl torn.png\n");
-    assert_left_out(f, path, "textures that are not used: displacement, reflection");
+    assert_left_out(f, path, "textures that are not used: displacement");
+    assert_mentions(f->log, "statements that are not used: 'refl'");
     remove_folder(place.path);
 }
 
