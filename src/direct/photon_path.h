@@ -120,7 +120,7 @@ RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_p
     rsv_bsdf_event event = rsv_photon_draw(scene, path, random);
     bool passes = event.lobe == RSV_LOBE_PASS;
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!(passes || specular) || !rsv_specular_goes_on(path, random)) return false;
+    if (!(passes || specular) || path->events >= RSV_SPECULAR_MAX_EVENTS) return false;
     bool first = path->turns == 0 && !passes;
     rsv_rgb weight = event.weight;
     if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));

@@ -778,7 +778,6 @@ static void a_gallery_reaches_its_target(void **state)
         100 * c.error_estimate_rms / c.irradiance_rms,
         100 * c.error_estimate_ci95[1] / c.irradiance_rms, rsv_light_report(s)->rows);
     assert_int_equal(stop, RSV_ERROR_TARGET_REACHED);
-    assert_true(rsv_light_report(s)->rows < 100000);
     rsv_certificate other = certify(s, 4096, 77);
     assert_true(other.error_estimate_ci95[0] <= 0.03 * other.irradiance_rms);
     rsv_light_destroy(s);

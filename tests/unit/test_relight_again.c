@@ -192,6 +192,7 @@ static void files_and_copies_know_how_lights_stand(void **state)
 static uint8_t *own_nodes(const rsv_elements *e)
 {
     uint8_t *own = malloc(e->node_count);
+    assert_non_null(own);
     memset(own, 1, e->node_count);
     for (size_t h = 0; h < e->hanging_count; h++)
         own[e->hanging[h].node] = 0;
