@@ -4,6 +4,7 @@
 #include "../opfile/exchange.h"
 #include "../relight/light_response.h"
 #include "../relight/turned_surroundings.h"
+#include "bake_basis_pack.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -37,6 +38,8 @@ typedef struct basis {
     size_t count;  ///< of all: responses, then those angles
     rsv_rgb *value;
     const char **name, **definition; ///< [count]
+    rsv_packed_light *packed;        ///< [count]; NULL = it is written plain
+    float *packed_scale;             ///< [count]
 } basis;
 
 static rsv_rgb *values_of(const basis *b, size_t light)
@@ -116,7 +119,7 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
     rsv_status status;
     char text[RSV_NUMBER_BYTES];
     RSV_TRY(rsv_note_set(file, "format", "resolvent-light-basis"));
-    RSV_TRY(rsv_note_set(file, "format_version", b->turned ? "2" : "1"));
+    RSV_TRY(rsv_note_set(file, "format_version", b->packed ? "3" : b->turned ? "2" : "1"));
     RSV_TRY(rsv_note_set(file, "units", b->reader->units));
     RSV_TRY(rsv_note_set(file, "receivers", b->reader->kind));
     RSV_TRY(rsv_write_names(file, "light.name", b->name, b->count));
@@ -130,6 +133,55 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
     if (b->reader->describe) RSV_TRY(b->reader->describe(b->reader, file));
 cleanup:
     return status;
+}
+
+/// Packs one light after the other.
+static rsv_status pack(basis *b)
+{
+    rsv_status status = RSV_OK;
+    size_t width = 3 * b->reader->width;
+    b->packed = rsv_alloc(b->s->context, b->count, sizeof *b->packed);
+    b->packed_scale = rsv_alloc(b->s->context, b->count, sizeof *b->packed_scale);
+    if (!b->packed || !b->packed_scale) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < b->count && status == RSV_OK; k++) {
+        status = rsv_bake_pack_light(
+            b->s->context, &values_of(b, k)->r, b->reader->count, width, &b->packed[k]);
+        b->packed_scale[k] = b->packed[k].scale;
+    }
+    return status;
+}
+
+/// Values as they are, or packed: "basis.packed.0", ...
+static rsv_status add_values(const basis *b, rsv_tensor_file *file)
+{
+    rsv_status status = RSV_OK;
+    char text[96];
+    const size_t shape[3] = { b->count, b->reader->count, 3 * b->reader->width };
+    if (!b->packed)
+        return rsv_tensor_add(file, "basis.value", RSV_TENSOR_F32, 3, shape, b->value);
+    snprintf(text, sizeof text, "[%zu,%zu,%zu]", shape[0], shape[1], shape[2]);
+    RSV_TRY(rsv_note_set(file, "basis.shape", text));
+    RSV_TRY(rsv_tensor_add(file, "basis.scale", RSV_TENSOR_F32, 1, shape, b->packed_scale));
+    for (size_t k = 0; k < b->count; k++) {
+        snprintf(text, sizeof text, "basis.packed.%zu", k);
+        RSV_TRY(rsv_tensor_add(
+            file, text, RSV_TENSOR_U8, 1, &b->packed[k].count, b->packed[k].bytes));
+    }
+cleanup:
+    return status;
+}
+
+static void free_basis(basis *b)
+{
+    rsv_context *context = b->s->context;
+    for (size_t k = 0; b->packed && k < b->count; k++)
+        rsv_free(context, b->packed[k].bytes);
+    rsv_free(context, b->packed);
+    rsv_free(context, b->packed_scale);
+    rsv_free(context, b->value);
+    rsv_free(context, b->name);
+    rsv_free(context, b->definition);
+    rsv_light_responses_destroy(b->responses);
 }
 
 rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_reader *reader,
@@ -147,15 +199,12 @@ rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_r
     RSV_TRY(read_lights(&b));
     add_up(&b);
     *lights = b.count;
-    const size_t shape[3] = { b.count, reader->count, 3 * reader->width };
+    if (desc->packed) RSV_TRY(pack(&b));
     RSV_TRY(describe(&b, &file));
-    RSV_TRY(rsv_tensor_add(&file, "basis.value", RSV_TENSOR_F32, 3, shape, b.value));
+    RSV_TRY(add_values(&b, &file));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
     rsv_tensor_file_end(&file);
-    rsv_free(solution->context, b.value);
-    rsv_free(solution->context, b.name);
-    rsv_free(solution->context, b.definition);
-    rsv_light_responses_destroy(b.responses);
+    free_basis(&b);
     return status;
 }
