@@ -121,20 +121,29 @@ export class LightBasis {
         this.scales = new Float32Array(memory, this.scale, 3 * lights).fill(1);
         this.skyScale = new Float32Array(memory, this.sky, 3);
         this.irradiance = new Float32Array(memory, this.out, receivers * width);
+        /// What each light does: [lights][receivers][width].
+        this.values = new Float32Array(memory, this.value, values.length);
     }
 
+    /// What each light counts for, every angle of the sky by itself: [r, g, b] one after the other.
     /// @param scales one [r, g, b] for each of `names`, 1 = as baked @param degrees of the sky, where it can be turned
-    relight(scales, degrees = this.rotation) {
-        const last = scales.length - 1;
+    weights(scales, degrees = this.rotation) {
+        const last = this.names.length - 1;
+        if (scales.length !== this.names.length)
+            throw new Error(`${scales.length} light scales do not fit ${this.names.length} lights`);
         this.scales.set(scales.flat());
-        const start = performance.now();
         if (this.turns > 1) {
             this.skyScale.set(scales[last]);
             this.runtime.rsv_rt_turn((degrees - this.rotation) / 360, this.sky, this.turns, this.scale + 12 * last);
         }
-        const status = this.runtime.rsv_rt_relight(this.basis, this.scale, last + this.turns, 0, this.receiverCount, this.out);
+        return this.scales;
+    }
+
+    /// Irradiance of all receivers, W/m2. Parameters as of `weights`.
+    relight(scales, degrees = this.rotation) {
+        const start = performance.now(), lights = this.weights(scales, degrees).length / 3;
+        this.runtime.rsv_rt_relight(this.basis, this.scale, lights, 0, this.receiverCount, this.out);
         this.milliseconds = performance.now() - start;
-        if (status !== 0) throw new Error(`${scales.length} light scales do not fit ${this.names.length} lights`);
         return this.irradiance;
     }
 }
