@@ -326,8 +326,8 @@ static int read_shape(rsv_rt_file *file, int packed, rsv_rt_basis *basis)
 static float from_half(uint16_t half)
 {
     int exponent = half >> 10 & 31, mantissa = half & 1023;
-    float size = exponent ? ldexpf((float)(1024 + mantissa), exponent - 25)
-                          : ldexpf((float)mantissa, -24);
+    float size =
+        exponent ? ldexpf((float)(1024 + mantissa), exponent - 25) : ldexpf((float)mantissa, -24);
     return half & 0x8000 ? -size : size;
 }
 

@@ -34,6 +34,7 @@ static const char help[] =
     "                     that were not baked (docs/runtime.md)\n"
     "  --env-turns N      with --basis: store the environment at N angles of a full turn (1 to 64), so\n"
     "                     that it can be rotated at run time (default 1: fixed)\n"
+    "  --sky              also write the environment to OUT.hdr, as it is at --env-rotate 0\n"
     "  --error SHARE      vertex, lightmap: target error of direct light for the median texel or vertex\n"
     "                     (default 1%); penumbrae get more shadow rays. With it, `bake` ends by measuring\n"
     "                     the error of 256 texels or vertices\n"
@@ -139,10 +140,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->target_index,
             .choices = rsv_bake_target_names() },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
-        { .name = "--packed",
-            .kind = CLI_FLAG,
-            .value = &s->bake.packed,
-            .goes_with = "--basis" },
+        { .name = "--packed", .kind = CLI_FLAG, .value = &s->bake.packed, .goes_with = "--basis" },
         { .name = "--operator", .kind = CLI_FLAG, .value = &s->bake.operator_file },
         { .name = "--env-turns",
             .kind = CLI_COUNT,
@@ -152,6 +150,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .goes_with = "--basis" },
         { .name = "--error", .kind = CLI_SHARE, .value = &s->error, .min = 0.001, .max = 0.5 },
         { .name = "--light-scale", .kind = CLI_REAL, .value = &s->bake.light_scale, .max = 1e12 },
+        { .name = "--sky", .kind = CLI_FLAG, .value = &s->bake.sky },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         VERTEX_OPTIONS(&s->bake),
         LIGHTMAP_OPTIONS(&s->bake),
@@ -257,11 +256,14 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 }
 
 /// Before it is solved: what would fail only afterwards.
-static bool can_turn(const settings *s, const rsv_scene *scene)
+static bool has_surroundings(const settings *s, const rsv_scene *scene)
 {
-    if (s->bake.turns == 1 || rsv_scene_get_view(scene)->environment) return true;
-    cli_error("--env-turns: there is no environment to rotate; add one with --env");
-    return false;
+    if (rsv_scene_get_view(scene)->environment) return true;
+    if (s->bake.turns > 1)
+        cli_error("--env-turns: there is no environment to rotate; add one with --env");
+    else if (s->bake.sky)
+        cli_error("--sky: there is no environment to write; add one with --env");
+    return s->bake.turns == 1 && !s->bake.sky;
 }
 
 /// Whether an operator file was asked for what only tracing gives; says so.
@@ -293,7 +295,7 @@ static int bake(cli_session *session, settings *s, cli_subject *subject)
     // maps with many charts grow beyond the usual size by themselves, but not where memory is counted
     if (s->solve.max_bytes && !s->bake.map_size) s->bake.map_size = USUAL_MAP_SIZE;
     desc.reserved_bytes = map_bytes(s);
-    if (!can_turn(s, subject->scene) || refuse_checkpoint(s, subject) ||
+    if (!has_surroundings(s, subject->scene) || refuse_checkpoint(s, subject) ||
         !cli_checkpoint_prepare(session, &s->checkpoint, subject->scene, &desc))
         return CLI_FAILURE;
     rsv_status status = cli_solve_subject(session, &desc, NULL, subject, NULL);
@@ -336,6 +338,8 @@ static bool keeps_inputs(const settings *s)
         for (size_t n = 0; n < sizeof given / sizeof given[0]; n++)
             if (!cli_check_apart(side, given[n])) return false;
     }
+    snprintf(side, sizeof side, "%.*s.hdr", (int)stem, s->output);
+    if (s->bake.sky && !cli_check_apart(side, s->environment.path)) return false;
     return cli_check_apart(s->output, s->scene) && cli_check_apart(s->stats, s->output) &&
            cli_check_apart(s->stats, s->scene) && cli_check_apart(s->output, s->environment.path);
 }

@@ -67,8 +67,10 @@ typedef struct rsv_bake_desc {
     /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
     /// as they are.
     uint32_t turns;
-    float probe_spacing;             ///< metres; 0 = a sixteenth of the scene's longest side
-    uint32_t probe_samples;          ///< rays per direction of a probe, 32..65536, default 64
+    float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
+    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
+    bool
+        sky; ///< also OUT.hdr: the surroundings, W/(sr m2), not rotated, for backgrounds and reflections
     bool dry_run;                    ///< find out what would come out, write nothing
     const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
@@ -94,7 +96,7 @@ typedef struct rsv_bake_report {
     double error_median; ///< of their errors
     double error_99;     ///< 99th percentile of them
     double error_noise;  ///< median noise of the estimates
-    size_t lights;     ///< of the basis, surroundings counted at every angle
+    size_t lights;       ///< of the basis, surroundings counted at every angle
 } rsv_bake_report;
 
 /// Light in COLOR_0: irradiance / pi / light_scale, so that base colour times it is what is seen.

@@ -67,8 +67,8 @@ static rsv_status read_light(basis *b, const rsv_light_view *light, size_t index
     RSV_TRY(b->reader->read(b->reader, light, values_of(b, index)));
     add_up(b, index);
     if (!b->is_packed) goto cleanup;
-    RSV_TRY(rsv_bake_pack_light(b->s->context, &b->value->r, b->reader->count,
-        3 * b->reader->width, &b->packed[index]));
+    RSV_TRY(rsv_bake_pack_light(
+        b->s->context, &b->value->r, b->reader->count, 3 * b->reader->width, &b->packed[index]));
     b->packed_scale[index] = b->packed[index].scale;
 cleanup:
     return status;
@@ -185,8 +185,8 @@ static rsv_status add_values(const basis *b, rsv_tensor_file *file)
     RSV_TRY(rsv_tensor_add(file, "basis.scale", RSV_TENSOR_F32, 1, shape, b->packed_scale));
     for (size_t k = 0; k < b->count; k++) {
         snprintf(text, sizeof text, "basis.packed.%zu", k);
-        RSV_TRY(rsv_tensor_add(
-            file, text, RSV_TENSOR_U8, 1, &b->packed[k].count, b->packed[k].bytes));
+        RSV_TRY(
+            rsv_tensor_add(file, text, RSV_TENSOR_U8, 1, &b->packed[k].count, b->packed[k].bytes));
     }
 cleanup:
     return status;
@@ -209,10 +209,9 @@ rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_r
     const rsv_bake_desc *desc, const char *output, size_t *lights)
 {
     rsv_status status;
-    basis b = { .s = solution,
-        .reader = reader,
-        .turned = desc->turns - 1,
-        .is_packed = desc->packed };
+    basis b = {
+        .s = solution, .reader = reader, .turned = desc->turns - 1, .is_packed = desc->packed
+    };
     char path[RSV_PATH_BYTES];
     rsv_bake_name_beside(output, "light", path);
     rsv_tensor_file file;

@@ -15,7 +15,7 @@ static uint16_t half_of(float value)
     float size = fabsf(value);
     uint16_t sign = value < 0 ? 0x8000 : 0;
     int exponent;
-    frexpf(size, &exponent); // size = [0.5, 1) times 2^exponent
+    frexpf(size, &exponent);            // size = [0.5, 1) times 2^exponent
     if (exponent < -13) exponent = -13; // denormal
     float step = ldexpf(1, exponent - 11);
     uint32_t count = (uint32_t)lrintf(size / step);
@@ -29,8 +29,7 @@ static uint16_t zigzag(uint16_t difference)
 }
 
 /// Of each channel the low bytes of all receivers, then the high ones.
-static void spread(
-    const float *value, size_t receivers, size_t width, float scale, uint8_t *plane)
+static void spread(const float *value, size_t receivers, size_t width, float scale, uint8_t *plane)
 {
     for (size_t c = 0; c < width; c++) {
         uint8_t *low = plane + 2 * c * receivers, *high = low + receivers;

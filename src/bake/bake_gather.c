@@ -79,12 +79,11 @@ rsv_rgb rsv_bake_gather(
             v3_mad(v3_mad(v3_scale(g.tangent, d.x), d.y, g.bitangent), d.z, g.at.point.normal);
         // what a tilted normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, g.at.point.horizon) <= 0) continue;
-        sum = rgb_add(sum,
-            rgb_mul(rsv_bsdf_entry(g.coat, d.z), radiance_along(&g, direction, &random)));
+        sum = rgb_add(
+            sum, rgb_mul(rsv_bsdf_entry(g.coat, d.z), radiance_along(&g, direction, &random)));
     }
     sum = rgb_scale(sum, RSV_PI / (float)rays);
     if (!s->caustics.caustic || face == RSV_NONE) return sum;
-    return rgb_add(sum,
-        rsv_elements_interpolate(
-            s->caustics.elements, s->caustics.caustic, face, place->u, place->v));
+    return rgb_add(sum, rsv_elements_interpolate(
+                            s->caustics.elements, s->caustics.caustic, face, place->u, place->v));
 }

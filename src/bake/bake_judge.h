@@ -24,8 +24,7 @@ rsv_status rsv_bake_judge_create(
     const rsv_light_view *light, uint32_t wanted, rsv_bake_judge *judge);
 
 /// @param dark W/m2 beside which errors are measured @param report out: what was found of errors
-rsv_status rsv_bake_judge_finish(
-    const rsv_bake_judge *judge, float dark, rsv_bake_report *report);
+rsv_status rsv_bake_judge_finish(const rsv_bake_judge *judge, float dark, rsv_bake_report *report);
 
 void rsv_bake_judge_destroy(rsv_bake_judge *judge);
 

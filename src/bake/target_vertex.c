@@ -394,8 +394,7 @@ static void show_vertices(const vertex_bake *b, const rsv_bake_visitor *visitor)
     for (size_t k = 0; k < b->parts.count; k++)
         for (size_t n = 0; n < b->mesh[k].vertex_count; n++, at[0]++) {
             const rsv_bake_receiver *receiver = &b->mesh[k].receiver[n];
-            const rsv_bake_value value = { .at = { at[0], 0 },
-                .irradiance = b->mesh[k].light[n] };
+            const rsv_bake_value value = { .at = { at[0], 0 }, .irradiance = b->mesh[k].light[n] };
             if (receiver->triangle != RSV_NONE && visitor->wants(visitor->user, at, size))
                 show_vertex(b, visitor, receiver, value);
         }

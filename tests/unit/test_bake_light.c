@@ -123,7 +123,8 @@ static void light_of_a_shaded_bulb_is_what_is_path_traced(void **state)
         print_message("%s: %zu values, median error %.4f, 90th percentile %.4f, 99th %.4f\n",
             target[k], count, (double)error[count / 2], (double)error[count * 9 / 10],
             (double)error[count * 99 / 100]);
-        print_message("as the bake says: %zu values, median error %.4f, 99th percentile %.4f, noise %.4f\n",
+        print_message(
+            "as the bake says: %zu values, median error %.4f, 99th percentile %.4f, noise %.4f\n",
             report.judged, report.error_median, report.error_99, report.error_noise);
         assert_true(report.judged > WANTED / 2 && report.error_noise < 0.01);
         assert_true(report.error_median < 0.012);

@@ -296,8 +296,8 @@ static float *read_probes(const open_box *b, bool packed, rsv_rt_file *file, rsv
     if (rsv_rt_file_open(file, path_in(&b->place, "packed.light.safetensors")) ||
         rsv_rt_file_basis(file, basis))
         fail_msg("%s", file->message);
-    size_t bytes = 3 * (size_t)basis->light_count * basis->receiver_count * basis->value_count *
-                   sizeof(float);
+    size_t bytes =
+        3 * (size_t)basis->light_count * basis->receiver_count * basis->value_count * sizeof(float);
     return memcpy(malloc(bytes), basis->value, bytes);
 }
 
@@ -320,8 +320,8 @@ static void a_packed_basis_is_the_same_but_for_rounding(void **state)
         for (size_t k = l * one; k < (l + 1) * one; k++)
             most = f_max(most, fabsf(exact[k]));
         for (size_t k = l * one; k < (l + 1) * one; k++)
-            assert_true(fabsf(rounded[k] - exact[k]) <=
-                        0x1p-11f * fabsf(exact[k]) + 0x1p-38f * most);
+            assert_true(
+                fabsf(rounded[k] - exact[k]) <= 0x1p-11f * fabsf(exact[k]) + 0x1p-38f * most);
     }
     file.bytes[file.size - 40] ^= 0x55; // within the last light
     assert_int_equal(rsv_rt_file_basis(&file, &packed), -1);
