@@ -115,9 +115,8 @@
 #define MEND_RAYS 64
 #define MEND_GROUPS 8
 /// Change of stored light within an element, as a share of the light, and the element's edge over the harmonic mean of what one sees
-/// from there: from the first on stored light is doubted, from the second on it is not used. Measured, studio at draft: of
-/// the vertices with a change of more than 0.2, or nearer than the edge, a fifth are gathered; the 99th percentile of
-/// errors falls by half.
+/// from there: from the first on stored light is doubted, from the second on it is not used. Measured, vertices of studio
+/// at draft: the 99th percentile of errors is 26 % instead of 83 %; at medium 15 % instead of 18 %.
 #define DOUBTED_CHANGE 0.1f
 #define WRONG_CHANGE 0.25f
 #define DOUBTED_NEAR 0.5f
