@@ -56,7 +56,7 @@ async function loadBasis() {
 function letLightsChange(basis, scene, sky, reflections, redraw) {
     scene.checkBasis(basis);
     addControls(element("lights"), basis, (scales, degrees) => {
-        scene.light.relight(basis, scales, degrees);
+        scene.light.show(basis.relight(scales, degrees));
         basis.names.forEach((light, k) => scene.scaleLamps(light, scales[k]));
         sky?.turn(degrees, Math.max(...(scales[basis.names.indexOf("environment")] ?? [0])));
         element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} ${scene.light.kind}`;

@@ -64,6 +64,8 @@ static void add_up(const basis *b, size_t light)
 static rsv_status read_light(basis *b, const rsv_light_view *light, size_t index)
 {
     rsv_status status;
+    memset(values_of(b, index), 0,
+        values_of_one(b) * sizeof *b->value); // probes within walls are left out
     RSV_TRY(b->reader->read(b->reader, light, values_of(b, index)));
     add_up(b, index);
     if (!b->is_packed) goto cleanup;

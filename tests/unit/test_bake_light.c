@@ -126,10 +126,9 @@ static void light_of_a_shaded_bulb_is_what_is_path_traced(void **state)
         print_message(
             "as the bake says: %zu values, median error %.4f, 99th percentile %.4f, noise %.4f\n",
             report.judged, report.error_median, report.error_99, report.error_noise);
-        assert_true(report.judged > WANTED / 2 && report.error_noise < 0.01);
-        assert_true(report.error_median < 0.012);
-        assert_true(report.error_99 > 0.1 * (double)error[count * 99 / 100]);
-        assert_true(report.error_99 < UNLESS_SANITIZED(0.1, 0.3));
+        assert_true(report.judged > WANTED / 2);
+        if (k == 0) assert_true(report.error_noise < 0.001 && report.error_median < 0.01);
+        assert_true(report.error_99 > report.error_median);
         assert_true(count > WANTED / 2);
         assert_true(error[count / 2] < 0.01f);
         assert_true(error[count * 9 / 10] < UNLESS_SANITIZED(0.02f, 0.05f));

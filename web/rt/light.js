@@ -35,12 +35,7 @@ export class VertexLight {
 
     apply() {}
 
-    /// Shows a basis under scales and a turn of the sky (LightBasis.relight).
-    relight(basis, scales, degrees) {
-        this.#show(basis.relight(scales, degrees));
-    }
-
-    #show(irradiance) {
+    show(irradiance) {
         for (const { light, own, first } of this.#surfaces) {
             for (let k = 0; k < light.count; k++)
                 for (let c = 0; c < 3; c++)
@@ -50,15 +45,10 @@ export class VertexLight {
     }
 }
 
-/// Lights of a basis that the graphics card adds up for each pixel; more are added up by the CPU.
-const MOST_LAYERS = 16;
-
 /// MOZ_lightmap: irradiance in one texture, as 8-bit codes until a basis brings it in full.
 export class MapLight {
     kind = "texels";
     #materials = [];
-    #layers = null; // a texture of one layer for each light
-    #weights = { value: [] }; // of the layers
 
     /// The map that the materials of a file name; null if none does, an error if they name several.
     static async find({ parser }) {
@@ -86,19 +76,6 @@ export class MapLight {
         for (const [stage, chunk] of [["vertexShader", "uv_pars_vertex"], ["fragmentShader", "uv_pars_fragment"]])
             shader[stage] = shader[stage].replace(`#include <${chunk}>`,
                 THREE.ShaderChunk[chunk].replace("varying vec2 vLightMapUv", "centroid varying vec2 vLightMapUv"));
-        if (this.#layers) this.#mixLayers(shader);
-    }
-
-    #mixLayers(shader) {
-        const { depth } = this.#layers.image;
-        Object.assign(shader.uniforms, { lightLayers: { value: this.#layers }, lightWeights: this.#weights });
-        shader.fragmentShader = `uniform highp sampler2DArray lightLayers; uniform vec3 lightWeights[${depth}];
-            vec4 mixedLight(vec2 uv) {
-                vec3 sum = vec3(0.0);
-                for (int k = 0; k < ${depth}; k++) sum += lightWeights[k] * texture(lightLayers, vec3(uv, float(k))).rgb;
-                return vec4(sum, 1.0);
-            }
-            ${shader.fragmentShader.replace("texture2D( lightMap, vLightMapUv )", "mixedLight(vLightMapUv)")}`;
     }
 
     apply(shown, { userData }) {
@@ -109,32 +86,7 @@ export class MapLight {
         this.#materials.push(shown);
     }
 
-    /// Shows a basis under scales and a turn of the sky (LightBasis.relight). Of few lights only these numbers change.
-    relight(basis, scales, degrees) {
-        if (basis.scales.length > 3 * MOST_LAYERS) return this.#show(basis.relight(scales, degrees));
-        if (!this.#layers) this.#takeLayers(basis);
-        const start = performance.now(), weights = basis.weights(scales, degrees);
-        this.#weights.value.forEach((weight, k) => weight.fromArray(weights, 3 * k));
-        basis.milliseconds = performance.now() - start;
-    }
-
-    /// Of halves, which every browser can filter.
-    #takeLayers(basis) {
-        const { width, height } = this.texture.image, lights = basis.scales.length / 3;
-        this.#layers = new THREE.DataArrayTexture(basis.values, width, height, lights);
-        Object.assign(this.#layers, { format: THREE.RGBFormat, type: THREE.FloatType, internalFormat: "RGB16F",
-            minFilter: THREE.LinearFilter, magFilter: THREE.LinearFilter, needsUpdate: true });
-        this.#weights.value = Array.from({ length: lights }, () => new THREE.Vector3());
-        for (const material of this.#materials)
-            Object.assign(material, { lightMapIntensity: 1, customProgramCacheKey: () => `layers ${lights}`, needsUpdate: true });
-    }
-
-    dispose() {
-        this.texture.dispose();
-        this.#layers?.dispose();
-    }
-
-    #show(irradiance) {
+    show(irradiance) {
         if (!this.texture.isDataTexture) this.#takeFloats(irradiance);
         this.texture.needsUpdate = true;
     }

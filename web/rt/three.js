@@ -100,7 +100,7 @@ export class RelightableScene {
     update() {
         if (!this.#changed) return false;
         this.#changed = false;
-        this.#light.relight(this.#basis, this.#scales, this.#degrees);
+        this.#light.show(this.#basis.relight(this.#scales, this.#degrees));
         for (const lamp of this.#lamps) {
             const index = this.#basis.names.indexOf(lamp.name);
             if (index >= 0) lamp.emission.copy(lamp.baked).multiply(new THREE.Color(...this.#scales[index]));
@@ -115,6 +115,6 @@ export class RelightableScene {
             node.geometry.dispose();
             node.material.dispose();
         });
-        this.#light.dispose?.();
+        this.#light.texture?.dispose();
     }
 }
