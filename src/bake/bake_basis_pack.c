@@ -15,7 +15,7 @@ static uint16_t half_of(float value)
     float size = fabsf(value);
     uint16_t sign = value < 0 ? 0x8000 : 0;
     int exponent;
-    frexpf(size, &exponent);            // size = [0.5, 1) times 2^exponent
+    frexpf(size, &exponent);                         // size = [0.5, 1) times 2^exponent
     if (exponent < -13 || size == 0) exponent = -13; // denormal; frexpf has 0 for 0
     float step = ldexpf(1, exponent - 11);
     uint32_t count = (uint32_t)lrintf(size / step);
