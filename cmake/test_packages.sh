@@ -23,9 +23,10 @@ begin() {
     cp "${@:2}" "$root/tmp"
 }
 
-# inside COMMAND: what a user types there; its output is shown if it fails
+# inside COMMAND: what a user types there; its output is shown if it fails. /proc is mounted for it alone: without it, no
+# program finds the libraries beside it.
 inside() {
-    chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive \
+    unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive \
         bash -ec "cd /tmp; $1" >"$work/log" 2>&1 || { cat "$work/log" && exit 1; }
 }
 
