@@ -49,6 +49,8 @@ rsv_add_test(curvature unit/test_curvature.c)
 rsv_add_test(texture unit/test_texture.c)
 rsv_add_test(shadows unit/test_shadows.c)
 rsv_add_test(trace unit/test_trace.c)
+# the same with the tracer that takes Embree's place, which the linker then leaves in its archive
+rsv_add_test(trace_own unit/test_trace.c ${PROJECT_SOURCE_DIR}/src/trace/own.c ${PROJECT_SOURCE_DIR}/src/trace/own_rays.c)
 rsv_add_test(bvh unit/test_bvh.c)
 rsv_add_test(solve unit/test_solve.c)
 rsv_add_test(operator_matrix unit/test_operator_matrix.c)
