@@ -54,7 +54,7 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
 {
     rsv_vec3 wo = direction_at(cos_o, 0.4f);
     rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, front);
-    bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 256, bsdf->brushed ? 512 : 96);
+    bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, bsdf->brushed ? 768 : 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
     bool dimmed = bsdf->brushed && bsdf->layered; // rsv_bsdf_brushed_ways
     report(
@@ -125,7 +125,7 @@ static void check_draws(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, b
     for (int bin = 0; bin < BINS; bin++) {
         int i = bin / BINS_V % BINS_U, j = bin % BINS_V, mirrored = bin - j + BINS_V - 1 - j;
         bsdf_patch patch = { (float)i / BINS_U, (float)(i + 1) / BINS_U, (float)j / BINS_V,
-            (float)(j + 1) / BINS_V, bsdf->brushed ? 16 : 8, bsdf->brushed ? 48 : 6 };
+            (float)(j + 1) / BINS_V, bsdf->brushed ? 24 : 8, bsdf->brushed ? 96 : 6 };
         const bsdf_chart *side = &chart[bin / (BINS_U * BINS_V)];
         density[bin] = mirrored < bin && !bsdf->brushed
                            ? density[mirrored]
