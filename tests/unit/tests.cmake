@@ -113,11 +113,11 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent relight_again PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
-        plan random_scenes shadows)
+foreach(name IN ITEMS environment gltf certify opfile history bake_side scene frame texture render bodies
+        plan random_scenes relight shadows)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input probe_errors random_certificates random_scenes rough_box solve update)
+foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input light_tree probe_errors random_certificates random_scenes rough_box solve update)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)
@@ -129,4 +129,5 @@ rsv_add_part(daylight long)
 rsv_add_part(properties long)
 rsv_add_test(luminaire unit/test_luminaire.c)
 rsv_add_test(placed_luminaire unit/test_placed_luminaire.c)
+rsv_add_part(placed_luminaire slow)
 rsv_add_test(fit unit/test_fit.c)
