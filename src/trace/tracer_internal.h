@@ -1,0 +1,21 @@
+/// What all tracers begin with, Embree's (embree_internal.h) and the one without Embree (own_internal.h).
+#ifndef RSV_TRACER_INTERNAL_H
+#define RSV_TRACER_INTERNAL_H
+
+#include "../bvh/bvh.h"
+#include "resolvent/trace.h"
+
+typedef struct rsv_tracer_head {
+    rsv_context *context;
+    const rsv_scene *scene;
+    rsv_bvh *hierarchy;          ///< of all triangles, for devices; empty until one asks
+    const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
+    bool blended;                ///< light passes some surfaces in part (passage.h)
+} rsv_tracer_head;
+
+static inline const rsv_tracer_head *rsv_tracer_head_of(const rsv_tracer *tracer)
+{
+    return (const rsv_tracer_head *)tracer;
+}
+
+#endif
