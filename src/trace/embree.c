@@ -83,13 +83,6 @@ static rsv_status build(rsv_tracer *tracer)
     return check_device(tracer);
 }
 
-/// Asks the scene whether faces of it lie in the same place.
-static void find_twins(rsv_tracer *tracer)
-{
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->head.scene);
-    tracer->head.twins = view->twins ? view : NULL;
-}
-
 rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
@@ -98,11 +91,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     RSV_TRY(rsv_scene_require_committed(scene));
     tracer = rsv_alloc(context, 1, sizeof *tracer);
     RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
-    tracer->head.context = context;
-    tracer->head.scene = scene;
-    tracer->head.blended = rsv_find_blended(rsv_scene_get_view(scene));
-    tracer->head.hierarchy = rsv_alloc(context, 1, sizeof *tracer->head.hierarchy);
-    RSV_TRY(tracer->head.hierarchy ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_tracer_head_begin(scene, &tracer->head));
     char settings[64];
     snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
     tracer->device = rtcNewDevice(settings);
@@ -115,7 +104,6 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     tracer->bvh = rtcNewScene(tracer->device);
     RSV_TRY(check_device(tracer));
     RSV_TRY(build(tracer));
-    find_twins(tracer);
     *result = tracer;
     return RSV_OK;
 cleanup:
@@ -239,7 +227,7 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
     rsv_bvh_destroy(tracer->head.hierarchy);
     place_apart(tracer, vertices);
-    find_twins(tracer);
+    rsv_tracer_head_find_twins(&tracer->head);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(tracer->bvh);
@@ -251,9 +239,8 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     if (!tracer) return;
     if (tracer->bvh) rtcReleaseScene(tracer->bvh);
     if (tracer->device) rtcReleaseDevice(tracer->device);
-    if (tracer->head.hierarchy) rsv_bvh_destroy(tracer->head.hierarchy);
-    rsv_free(tracer->head.context, tracer->head.hierarchy);
     rsv_free(tracer->head.context, tracer->apart);
+    rsv_tracer_head_end(&tracer->head);
     rsv_free(tracer->head.context, tracer);
 }
 

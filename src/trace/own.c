@@ -38,13 +38,6 @@ cleanup:
     return status;
 }
 
-/// Asks the scene whether faces of it lie in the same place.
-static void find_twins(rsv_tracer *tracer)
-{
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->head.scene);
-    tracer->head.twins = view->twins ? view : NULL;
-}
-
 rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
@@ -53,13 +46,8 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     RSV_TRY(rsv_scene_require_committed(scene));
     tracer = rsv_alloc(context, 1, sizeof *tracer);
     RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
-    tracer->head.context = context;
-    tracer->head.scene = scene;
-    tracer->head.blended = rsv_find_blended(rsv_scene_get_view(scene));
-    tracer->head.hierarchy = rsv_alloc(context, 1, sizeof *tracer->head.hierarchy);
-    RSV_TRY(tracer->head.hierarchy ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_tracer_head_begin(scene, &tracer->head));
     RSV_TRY(build_part(tracer, false, &tracer->fixed));
-    find_twins(tracer);
     *result = tracer;
     return RSV_OK;
 cleanup:
@@ -72,9 +60,8 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     if (!tracer) return;
     rsv_bvh_destroy(&tracer->fixed);
     rsv_bvh_destroy(&tracer->moving);
-    if (tracer->head.hierarchy) rsv_bvh_destroy(tracer->head.hierarchy);
-    rsv_free(tracer->head.context, tracer->head.hierarchy);
     rsv_free(tracer->head.context, tracer->apart);
+    rsv_tracer_head_end(&tracer->head);
     rsv_free(tracer->head.context, tracer);
 }
 
@@ -127,6 +114,6 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
     if (!tracer->apart) return RSV_OK; // nothing moves yet
     rsv_bvh_destroy(tracer->head.hierarchy);
-    find_twins(tracer);
+    rsv_tracer_head_find_twins(&tracer->head);
     return build_part(tracer, true, &tracer->moving);
 }
