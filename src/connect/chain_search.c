@@ -1,0 +1,282 @@
+#include "connect_internal.h"
+
+#include "../core/core.h"
+#include "../core/sampling.h"
+
+#include <string.h>
+
+#define RAYS                                                                                       \
+    65536 ///< towards smooth surfaces, of all sources together, beside one to each triangle
+#define LEAST_RAYS 1024              ///< of a source
+#define MOST_AIMED ((size_t)1 << 21) ///< rays that go to each triangle from each source
+#define FAINT 3e-4f                  ///< chains that leave less of the light are left out
+#define NEARBY 2.0  ///< extents of a chain's first triangle within which it is tried
+#define WIDE 0.5    ///< radians, or of the scene's radius: chains that are wider are always tried
+#define BRANCHES 64 ///< of a ray that wait to be followed
+#define MOST_CHAINS ((size_t)1 << 18) ///< of a source
+
+/// A ray of the search at a surface.
+typedef struct branch {
+    rsv_specular_path path;
+    float passed; ///< share of the light that has passed blended surfaces alone
+    uint32_t count;
+    rsv_chain_event event[RSV_CHAIN_EVENTS];
+} branch;
+
+typedef struct search {
+    const rsv_connections *c;
+    rsv_chain_list *list;
+    uint64_t *known; ///< [known_size] hashes of chains; 0 = free
+    size_t known_size;
+    rsv_chain chain; ///< of the ray that is followed
+    branch wait[BRANCHES];
+    int waiting;
+    rsv_status status;
+} search;
+
+bool rsv_chain_set_out(const rsv_connections *c, const rsv_connect_source *source,
+    const rsv_double_ray *ray, rsv_channel channel, rsv_specular_path *path)
+{
+    const rsv_ray way = { d3_to_float(ray->origin), d3_to_float(ray->direction), INFINITY };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(c->scene.tracer, &way, &hit)) return false;
+    *path = rsv_specular_begin(&c->scene, &source->medium, way.direction, hit);
+    path->channel = channel;
+    return true;
+}
+
+// ---- what is known ------------------------------------------------------------------------------
+
+static uint64_t hash_of(const search *s, const rsv_chain_event *event, uint32_t count)
+{
+    uint64_t hash = 0x9e3779b97f4a7c15u + s->chain.channel;
+    for (uint32_t k = 0; k < count; k++) {
+        hash ^=
+            ((uint64_t)event[k].triangle << 3 | (uint64_t)event[k].kind << 1 | event[k].back) + 1;
+        hash *= 0xff51afd7ed558ccdu;
+        hash ^= hash >> 32;
+    }
+    return hash ? hash : 1;
+}
+
+static void insert(uint64_t *known, size_t size, uint64_t hash)
+{
+    size_t at = hash & (size - 1);
+    while (known[at])
+        at = (at + 1) & (size - 1);
+    known[at] = hash;
+}
+
+static bool is_known(const search *s, uint64_t hash)
+{
+    for (size_t at = hash & (s->known_size - 1); s->known[at]; at = (at + 1) & (s->known_size - 1))
+        if (s->known[at] == hash) return true;
+    return false;
+}
+
+static rsv_status make_room(search *s)
+{
+    if (2 * s->list->count < s->known_size) return RSV_OK;
+    size_t size = 2 * s->known_size;
+    uint64_t *known = rsv_alloc(s->c->context, size, sizeof *known);
+    if (!known) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < s->known_size; k++)
+        if (s->known[k]) insert(known, size, s->known[k]);
+    rsv_free(s->c->context, s->known);
+    s->known = known;
+    s->known_size = size;
+    return RSV_OK;
+}
+
+static rsv_chain_beam beam_of(const search *s, const rsv_double_ray end[3], uint32_t triangle)
+{
+    double extent = NEARBY * rsv_chain_extent(s->c, &s->chain.seed, triangle);
+    double wide = s->chain.seed.distant ? WIDE * s->c->radius : WIDE;
+    return (rsv_chain_beam){ d3_to_float(end[0].origin), d3_to_float(end[0].direction),
+        d3_to_float(end[1].origin), d3_to_float(end[2].origin), d3_to_float(end[1].direction),
+        d3_to_float(end[2].direction), extent < wide ? (float)extent : INFINITY };
+}
+
+/// Adds the chain of these events, if it is a new one.
+static rsv_status add_chain(search *s, const rsv_chain_event *event, uint32_t count)
+{
+    rsv_status status;
+    rsv_chain_list *list = s->list;
+    rsv_chain chain = s->chain;
+    rsv_double_ray end[3];
+    uint64_t hash = hash_of(s, event, count);
+    chain.count = count;
+    chain.first = (uint32_t)list->event_count;
+    if (list->count == MOST_CHAINS || is_known(s, hash)) return RSV_OK;
+    if (!rsv_chain_differentiate(s->c, &chain, event, (double[2]){ 0, 0 }, end)) return RSV_OK;
+    RSV_TRY(make_room(s));
+    RSV_TRY(rsv_grow(s->c->context, (void **)&list->chain, &list->capacity, list->count + 1,
+        sizeof *list->chain));
+    RSV_TRY(rsv_grow(s->c->context, (void **)&list->event, &list->event_capacity,
+        list->event_count + count, sizeof *list->event));
+    RSV_TRY(rsv_grow(s->c->context, (void **)&list->beam, &list->beam_capacity, list->count + 1,
+        sizeof *list->beam));
+    insert(s->known, s->known_size, hash);
+    list->beam[list->count] = beam_of(s, end, event[0].triangle);
+    list->chain[list->count++] = chain;
+    memcpy(list->event + list->event_count, event, count * sizeof *event);
+    list->event_count += count;
+cleanup:
+    return status;
+}
+
+// ---- rays ---------------------------------------------------------------------------------------
+
+/// Adds what the ray does at its surface as a chain, and goes on from there later.
+static void branch_off(search *s, const branch *from, bool transmit, const rsv_bsdf_branches *lobe)
+{
+    rsv_rgb weight = transmit ? lobe->transmit : lobe->reflect;
+    const rsv_specular_path *path = &from->path;
+    rsv_bsdf storage;
+    float opacity = rsv_specular_bsdf(&s->c->scene, path, &storage)->opacity;
+    branch next = *from;
+    next.passed *= transmit ? 1 - opacity : 0;
+    rsv_chain_event *event = &next.event[next.count++];
+    *event = (rsv_chain_event){ path->triangle,
+        rsv_chain_kind_of(&s->c->scene, path->triangle, transmit), path->back };
+    if (rgb_max(rgb_mul(path->weight, weight)) < FAINT || s->status != RSV_OK) return;
+    if (rgb_max(rgb_mul(path->weight, weight)) - next.passed >= FAINT)
+        s->status = add_chain(s, next.event, next.count);
+    if (next.count == RSV_CHAIN_EVENTS || s->waiting == BRANCHES) return;
+    rsv_vec3 direction = transmit ? lobe->transmit_direction : lobe->reflect_direction;
+    if (rsv_specular_step(&s->c->scene, &next.path, transmit, direction, weight) !=
+        RSV_SPECULAR_MOVED)
+        return;
+    s->wait[s->waiting++] = next;
+}
+
+/// @param target triangle that the ray is meant for: one that meets another part of the same thing is not followed
+static void follow_ray(search *s, const rsv_connect_source *source, uint32_t target)
+{
+    const rsv_transport_scene *scene = &s->c->scene;
+    branch *first = &s->wait[0];
+    *first = (branch){ .passed = 1 };
+    if (!rsv_chain_set_out(s->c, source, &s->chain.seed.ray, s->chain.channel, &first->path))
+        return;
+    if (first->path.triangle != target &&
+        rsv_specular_material(scene, &first->path) == scene->view->triangle_material[target])
+        return;
+    s->waiting = 1;
+    while (s->waiting) {
+        const branch at = s->wait[--s->waiting];
+        rsv_bsdf_branches lobe = rsv_specular_branches(scene, &at.path);
+        branch_off(s, &at, false, &lobe);
+        branch_off(s, &at, true, &lobe);
+    }
+}
+
+static void shoot_at(
+    search *s, const rsv_connect_source *source, rsv_vec3 target, uint32_t triangle)
+{
+    rsv_chain_seed *seed = &s->chain.seed;
+    seed->distant = rsv_punctual_is_distant(source->light);
+    seed->ray.origin = d3_from(source->place);
+    rsv_double3 way = d3_between(source->place, target);
+    if (seed->distant) {
+        seed->ray.direction = d3_normalize(d3_from(source->light->direction));
+        double along = d3_dot(way, seed->ray.direction);
+        seed->ray.origin = d3_mad(d3_from(target), -along, seed->ray.direction);
+    } else {
+        seed->ray.direction = d3_normalize(way);
+    }
+    if (!(d3_length(seed->ray.direction) > 0)) return;
+    bool apart = s->c->disperses;
+    for (int k = apart ? RSV_CHANNEL_RED : RSV_CHANNEL_ALL;
+         k <= (apart ? RSV_CHANNEL_BLUE : RSV_CHANNEL_ALL); k++) {
+        s->chain.channel = (rsv_channel)k;
+        follow_ray(s, source, triangle);
+    }
+}
+
+static bool is_smooth(const rsv_bsdf *b)
+{
+    return !b->lambert && !b->unlit &&
+           (b->alpha == 0 || b->straight || (b->clearcoat > 0 && b->clearcoat_alpha == 0));
+}
+
+/// Solid angle of a triangle seen from the source, roughly; of distant ones, its projected area.
+static double seen_from(const search *s, const rsv_connect_source *source, uint32_t triangle)
+{
+    const rsv_scene_view *view = s->c->scene.view;
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+             c = view->position[corner[2]];
+    rsv_double3 n = d3_cross(d3_between(a, b), d3_between(a, c));
+    if (rsv_punctual_is_distant(source->light))
+        return 0.5 * fabs(d3_dot(n, d3_from(source->light->direction)));
+    rsv_double3 way = d3_between(source->place, v3_barycentric(a, b, c, 1.0f / 3, 1.0f / 3));
+    double distance = d3_length(way);
+    if (!(distance > 0)) return 0;
+    return fmin(2 * M_PI, 0.5 * fabs(d3_dot(n, way)) / (distance * distance * distance));
+}
+
+static bool is_target(const search *s, uint32_t triangle)
+{
+    return is_smooth(&s->c->scene.bsdf[s->c->scene.view->triangle_material[triangle]]);
+}
+
+/// @param index of a ray to the triangle, the first of which goes to the middle
+static void shoot(search *s, const rsv_connect_source *source, uint32_t triangle, uint32_t index)
+{
+    const rsv_scene_view *view = s->c->scene.view;
+    const uint32_t *corner = view->triangle[triangle];
+    float u = 1.0f / 3, v = 1.0f / 3;
+    if (index) {
+        rsv_sobol_2d(index, rsv_hash(triangle), &u, &v);
+        float root = sqrtf(u);
+        u = 1 - root, v *= root;
+    }
+    shoot_at(s, source,
+        v3_barycentric(
+            view->position[corner[0]], view->position[corner[1]], view->position[corner[2]], u, v),
+        triangle);
+}
+
+/// @param every one of so many triangles gets a ray of its own
+static void search_from(search *s, const rsv_connect_source *source, double rays, size_t every)
+{
+    const rsv_scene_view *view = s->c->scene.view;
+    double all = 0, due = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++)
+        if (is_target(s, t)) all += seen_from(s, source, t);
+    for (uint32_t t = 0; t < view->triangle_count && s->status == RSV_OK; t++) {
+        if (!is_target(s, t) || rsv_cancelled(s->c->context)) continue;
+        due += all > 0 ? rays * seen_from(s, source, t) / all : 0;
+        uint32_t count = t % every == 0;
+        for (; due >= 1; due--)
+            count++;
+        for (uint32_t k = 0; k < count && s->status == RSV_OK; k++)
+            shoot(s, source, t, k);
+    }
+}
+
+static rsv_status search_source(const rsv_connections *c, size_t index, double rays, size_t every)
+{
+    search *s = rsv_alloc(c->context, 1, sizeof *s);
+    if (!s) return RSV_ERROR_MEMORY;
+    *s = (search){ .c = c, .list = &c->list[index], .known_size = 1024 };
+    s->chain.source = (uint32_t)index;
+    s->known = rsv_alloc(c->context, s->known_size, sizeof *s->known);
+    s->status = s->known ? RSV_OK : RSV_ERROR_MEMORY;
+    if (s->known) search_from(s, &c->source[index], rays, every);
+    rsv_status status = s->status;
+    rsv_free(c->context, s->known);
+    rsv_free(c->context, s);
+    return status;
+}
+
+rsv_status rsv_chains_find(rsv_connections *c)
+{
+    double rays = fmax(LEAST_RAYS, RAYS / (double)c->source_count);
+    size_t every = 1 + c->scene.view->triangle_count * c->source_count / MOST_AIMED;
+    int failed = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(c->context)) reduction(+ : failed)
+    for (size_t k = 0; k < c->source_count; k++)
+        failed += search_source(c, k, rays, every) != RSV_OK;
+    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+}
