@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-#define RAYS                                                                                       \
-    65536 ///< towards smooth surfaces, of all sources together, beside one to each triangle
-#define LEAST_RAYS 1024              ///< of a source
-#define MOST_AIMED ((size_t)1 << 21) ///< rays that go to each triangle from each source
-#define FAINT 3e-4f                  ///< chains that leave less of the light are left out
-#define NEARBY 2.0  ///< extents of a chain's first triangle within which it is tried
+#define RAYS                                                                                                     \
+    16384 ///< towards smooth surfaces, of all sources together, by solid angle; beside one to each triangle, if \
+          ///< these are no more
+#define LEAST_RAYS 1024 ///< of a source
+#define FAINT 3e-4f     ///< chains that leave less of the light are left out
+#define NEARBY 2.0      ///< extents of a chain's first triangle within which it is tried
 #define WIDE 0.5    ///< radians, or of the scene's radius: chains that are wider are always tried
 #define BRANCHES 64 ///< of a ray that wait to be followed
 #define MOST_CHAINS ((size_t)1 << 18) ///< of a source
@@ -29,6 +29,7 @@ typedef struct search {
     uint64_t *known; ///< [known_size] hashes of chains; 0 = free
     size_t known_size;
     rsv_chain chain; ///< of the ray that is followed
+    double spacing;  ///< of rays where these are fewer than triangles, by u and v; else 0
     branch wait[BRANCHES];
     int waiting;
     rsv_status status;
@@ -90,7 +91,7 @@ static rsv_status make_room(search *s)
 
 static rsv_chain_beam beam_of(const search *s, const rsv_double_ray end[3], uint32_t triangle)
 {
-    double extent = NEARBY * rsv_chain_extent(s->c, &s->chain.seed, triangle);
+    double extent = NEARBY * fmax(s->spacing, rsv_chain_extent(s->c, &s->chain.seed, triangle));
     double wide = s->chain.seed.distant ? WIDE * s->c->radius : WIDE;
     return (rsv_chain_beam){ d3_to_float(end[0].origin), d3_to_float(end[0].direction),
         d3_to_float(end[1].origin), d3_to_float(end[2].origin), d3_to_float(end[1].direction),
@@ -237,17 +238,22 @@ static void shoot(search *s, const rsv_connect_source *source, uint32_t triangle
         triangle);
 }
 
-/// @param every one of so many triangles gets a ray of its own
-static void search_from(search *s, const rsv_connect_source *source, double rays, size_t every)
+/// Shares rays out among triangles by the solid angle that they fill. Where triangles are fewer, each gets one beside.
+static void search_from(search *s, const rsv_connect_source *source, double rays)
 {
     const rsv_scene_view *view = s->c->scene.view;
-    double all = 0, due = 0;
-    for (uint32_t t = 0; t < view->triangle_count; t++)
-        if (is_target(s, t)) all += seen_from(s, source, t);
+    double all = 0, due = 0, targets = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++) {
+        if (!is_target(s, t)) continue;
+        all += seen_from(s, source, t);
+        targets++;
+    }
+    bool each = targets <= rays;
+    if (!each) s->spacing = sqrt(all / rays);
     for (uint32_t t = 0; t < view->triangle_count && s->status == RSV_OK; t++) {
         if (!is_target(s, t) || rsv_cancelled(s->c->context)) continue;
         due += all > 0 ? rays * seen_from(s, source, t) / all : 0;
-        uint32_t count = t % every == 0;
+        uint32_t count = each;
         for (; due >= 1; due--)
             count++;
         for (uint32_t k = 0; k < count && s->status == RSV_OK; k++)
@@ -255,7 +261,7 @@ static void search_from(search *s, const rsv_connect_source *source, double rays
     }
 }
 
-static rsv_status search_source(const rsv_connections *c, size_t index, double rays, size_t every)
+static rsv_status search_source(const rsv_connections *c, size_t index, double rays)
 {
     search *s = rsv_alloc(c->context, 1, sizeof *s);
     if (!s) return RSV_ERROR_MEMORY;
@@ -263,7 +269,7 @@ static rsv_status search_source(const rsv_connections *c, size_t index, double r
     s->chain.source = (uint32_t)index;
     s->known = rsv_alloc(c->context, s->known_size, sizeof *s->known);
     s->status = s->known ? RSV_OK : RSV_ERROR_MEMORY;
-    if (s->known) search_from(s, &c->source[index], rays, every);
+    if (s->known) search_from(s, &c->source[index], rays);
     rsv_status status = s->status;
     rsv_free(c->context, s->known);
     rsv_free(c->context, s);
@@ -273,10 +279,9 @@ static rsv_status search_source(const rsv_connections *c, size_t index, double r
 rsv_status rsv_chains_find(rsv_connections *c)
 {
     double rays = fmax(LEAST_RAYS, RAYS / (double)c->source_count);
-    size_t every = 1 + c->scene.view->triangle_count * c->source_count / MOST_AIMED;
     int failed = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(c->context)) reduction(+ : failed)
     for (size_t k = 0; k < c->source_count; k++)
-        failed += search_source(c, k, rays, every) != RSV_OK;
+        failed += search_source(c, k, rays) != RSV_OK;
     return failed ? RSV_ERROR_MEMORY : RSV_OK;
 }
