@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-#define RAYS                                                                                                     \
+#define RAYS                                                                                       \
     16384 ///< towards smooth surfaces, of all sources together, by solid angle; beside one to each triangle, if \
           ///< these are no more
 #define LEAST_RAYS 1024 ///< of a source
 #define FAINT 3e-4f     ///< chains that leave less of the light are left out
-#define NEARBY 2.0      ///< extents of a chain's first triangle within which it is tried
+#define NEARBY 1.25     ///< extents of a chain's first triangle within which it is tried
 #define WIDE 0.5    ///< radians, or of the scene's radius: chains that are wider are always tried
 #define BRANCHES 64 ///< of a ray that wait to be followed
 #define MOST_CHAINS ((size_t)1 << 18) ///< of a source
