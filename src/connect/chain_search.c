@@ -5,9 +5,8 @@
 
 #include <string.h>
 
-#define RAYS                                                                                       \
-    16384 ///< towards smooth surfaces, of all sources together, by solid angle; beside one to each triangle, if \
-          ///< these are no more
+/// Rays towards smooth surfaces, of all sources together, by solid angle; each triangle gets one beside if these are no more.
+#define RAYS 8192
 #define LEAST_RAYS 1024 ///< of a source
 #define FAINT 3e-4f     ///< chains that leave less of the light are left out
 #define NEARBY 1.25     ///< extents of a chain's first triangle within which it is tried
