@@ -258,6 +258,13 @@ static bool is_found(const route *found, size_t count, const route *new, double 
     return false;
 }
 
+static bool is_straight(const aim *a)
+{
+    for (uint32_t k = 0; k < a->chain.count; k++)
+        if (a->event[k].kind != RSV_CHAIN_PASSES) return false;
+    return true;
+}
+
 /// Routes of one place so far, and their light.
 typedef struct routes {
     route taken[RSV_MOST_CONNECTIONS];
@@ -277,7 +284,7 @@ static void connect_chain(const rsv_chain_list *list, size_t index, aim *a, rout
     rsv_vec3 way = d3_to_float(a->hit[a->chain.count - 1].direction);
     rsv_rgb light = in_channel(rgb_mul(emitted(a), passed(a)), a->chain.channel);
     if (!(rgb_max(light) > 0)) return;
-    all->found[all->count++] = (rsv_connection){ v3_neg(way), light };
+    all->found[all->count++] = (rsv_connection){ v3_neg(way), light, is_straight(a) };
 }
 
 size_t rsv_connect(
@@ -299,14 +306,16 @@ size_t rsv_connections_chain_count(const rsv_connections *c)
     return sum;
 }
 
-rsv_rgb rsv_connected_irradiance(const rsv_connections *c, rsv_vec3 point, rsv_vec3 normal)
+rsv_rgb rsv_connected_irradiance(
+    const rsv_connections *c, rsv_vec3 point, rsv_vec3 normal, bool turned)
 {
     rsv_rgb sum = rgb_gray(0);
     if (!c) return sum;
     rsv_connection found[RSV_MOST_CONNECTIONS];
     size_t count = rsv_connect(c, point, found);
     for (size_t k = 0; k < count; k++)
-        sum = rgb_mad(sum, f_max(v3_dot(found[k].towards, normal), 0), found[k].irradiance);
+        if (!turned || !found[k].straight)
+            sum = rgb_mad(sum, f_max(v3_dot(found[k].towards, normal), 0), found[k].irradiance);
     return sum;
 }
 

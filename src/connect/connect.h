@@ -17,6 +17,7 @@ typedef struct rsv_connections rsv_connections;
 typedef struct rsv_connection {
     rsv_vec3 towards;   ///< unit, where it comes from
     rsv_rgb irradiance; ///< on a plane that faces it, W/m2
+    bool straight;      ///< nothing has turned it: it has passed thin sheets alone
 } rsv_connection;
 
 #define RSV_MOST_CONNECTIONS 256 ///< of one place
@@ -34,8 +35,8 @@ size_t rsv_connect(
 /// How many chains there are: what rsv_connect costs.
 size_t rsv_connections_chain_count(const rsv_connections *connections);
 
-/// Their irradiance on the side that `normal` (unit) faces. NULL gives 0.
+/// Their irradiance on the side that `normal` (unit) faces. NULL gives 0. @param turned leaves out what is straight
 rsv_rgb rsv_connected_irradiance(
-    const rsv_connections *connections, rsv_vec3 point, rsv_vec3 normal);
+    const rsv_connections *connections, rsv_vec3 point, rsv_vec3 normal, bool turned);
 
 #endif

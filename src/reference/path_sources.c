@@ -185,6 +185,7 @@ static void add_connected_lights(rsv_light_path *path, const rsv_path_surface *s
     if (chance < 1 && rsv_random_float(&path->numbers.random) >= chance) return;
     size_t count = rsv_connect(connections, s->point, found);
     for (size_t k = 0; k < count; k++) {
+        if (found[k].straight) continue; // shadow rays pass thin sheets (add_punctual_light)
         rsv_vec3 towards = found[k].towards;
         rsv_bsdf_value diffuse = rsv_path_surface_respond(s, towards, RSV_LOBES_DIFFUSE);
         rsv_bsdf_value rough = rsv_path_surface_respond(s, towards, RSV_LOBES_ROUGH);

@@ -30,7 +30,7 @@ static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe
     receiver r = { .at = { .point = probe->position, .geometric = v3_normalize(probe->normal) } };
     rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, r.at.point, r.at.geometric);
     r.medium = rsv_medium_above(&tracer->media, origin, r.at.geometric);
-    r.connected = rsv_connected_irradiance(tracer->connections, r.at.point, r.at.geometric);
+    r.connected = rsv_connected_irradiance(tracer->connections, r.at.point, r.at.geometric, true);
     return r;
 }
 

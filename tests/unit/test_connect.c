@@ -89,12 +89,14 @@ static void shelves_light_ceilings(void **state)
     add_light(w, (rsv_punctual_light){ .kind = RSV_PUNCTUAL_DIRECTIONAL, .direction = sent });
     rsv_connections *c = connect_world(w);
     const rsv_vec3 down = v3(0, -1, 0);
-    assert_close((double)rsv_connected_irradiance(c, v3(0, 2.7f, -1.2f), down).g, sqrt(0.5), 1e-6);
-    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -1.2f), v3(0, 1, 0)).g == 0);
-    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -0.69f), down).g == 0);
-    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -1.71f), down).g == 0);
+    assert_close(
+        (double)rsv_connected_irradiance(c, v3(0, 2.7f, -1.2f), down, false).g, sqrt(0.5), 1e-6);
+    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -1.2f), v3(0, 1, 0), false).g == 0);
+    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -0.69f), down, false).g == 0);
+    assert_true(rsv_connected_irradiance(c, v3(0, 2.7f, -1.71f), down, false).g == 0);
     // on the diagonal of its two triangles, the light counts once
-    assert_close((double)rsv_connected_irradiance(c, v3(0, 2.5f, -1), down).g, sqrt(0.5), 1e-6);
+    assert_close(
+        (double)rsv_connected_irradiance(c, v3(0, 2.5f, -1), down, false).g, sqrt(0.5), 1e-6);
     rsv_connections_destroy(c);
     world_end(w);
 }
@@ -110,7 +112,7 @@ static void panes_dim_lamps(void **state)
     add_light(w, (rsv_punctual_light){ .kind = RSV_PUNCTUAL_POINT, .position = { 0, 3, 0 } });
     rsv_connections *c = connect_world(w);
     double inner = sqrt(1 - 0.5 / 2.25), expected = transmitted(sqrt(0.5), inner, 1.5) / 18;
-    rsv_rgb got = rsv_connected_irradiance(c, v3(3, 0, 0), v3_normalize(v3(-1, 1, 0)));
+    rsv_rgb got = rsv_connected_irradiance(c, v3(3, 0, 0), v3_normalize(v3(-1, 1, 0)), false);
     assert_close((double)got.g, expected, 1e-5 * expected);
     rsv_connections_destroy(c);
     world_end(w);
@@ -127,7 +129,7 @@ static void nothing_smooth_has_no_connections(void **state)
     world_commit(w);
     assert_int_equal(rsv_connections_create(&w->transport, w->lights, &c), RSV_OK);
     assert_null(c);
-    assert_true(rgb_is_black(rsv_connected_irradiance(NULL, v3(0, 1, 0), v3(0, 1, 0))));
+    assert_true(rgb_is_black(rsv_connected_irradiance(NULL, v3(0, 1, 0), v3(0, 1, 0), false)));
     world_end(w);
 }
 
