@@ -10,13 +10,14 @@ static inline void find_range(
 {
     float least[WIDE * 4], greatest[WIDE * 4];
     const float *above = rows[0][0], *here = rows[1][0], *below = rows[2][0];
+    float *lowest = low[0], *highest = high[0];
     for (int k = 0; k < WIDE * 4; k++) {
         least[k] = f_min(f_min(above[k], here[k]), below[k]);
         greatest[k] = f_max(f_max(above[k], here[k]), below[k]);
     }
     for (int k = 0; k < RSV_TILE * 4; k++) {
-        low[0][k] = f_min(f_min(least[k], least[k + 4]), least[k + 8]);
-        high[0][k] = f_max(f_max(greatest[k], greatest[k + 4]), greatest[k + 8]);
+        lowest[k] = f_min(f_min(least[k], least[k + 4]), least[k + 8]);
+        highest[k] = f_max(f_max(greatest[k], greatest[k + 4]), greatest[k + 8]);
     }
 }
 

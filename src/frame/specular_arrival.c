@@ -46,8 +46,9 @@ static void note_depth(queue *q, const rsv_arrival *a, uint32_t lane, float dist
 {
     rsv_specular_light *light = &q->light;
     float share = rgb_max(rsv_lane_color(a->paths->throughput, lane));
-    if (!light->depth || a->paths->events[lane] == 0 || !(share > light->carried[light->pixel]))
-        return;
+    bool counts =
+        q->spread > 0 && a->paths->events[lane] > 0; // widths tell distances, if rays spread
+    if (!light->depth || !counts || !(share > light->carried[light->pixel])) return;
     light->carried[light->pixel] = share;
     light->depth[light->pixel] = distance + a->paths->width[lane] / q->spread;
 }

@@ -234,7 +234,7 @@ static void take_blender_collada(
 /// Whether a file states metal and roughness as such. The importer of .fbx makes a roughness of every shininess.
 static bool is_metallic_roughness(const struct aiMaterial *source, rsv_file_kind kind)
 {
-    bool made = kind == RSV_FILE_FBX && has_float(source, "$raw.Shininess", 0, 0);
+    bool made = kind == RSV_FILE_FBX && has_float(source, AI_MATKEY_SHININESS);
     return has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
            (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR) && !made);
 }

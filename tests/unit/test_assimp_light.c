@@ -653,6 +653,65 @@ static void fbx_cameras_without_a_field_of_view_see_something(void **state)
     }
 }
 
+/// A material of Phong's is one, whatever roughness the importer makes of its shininess; Blender's stands for a Principled BSDF.
+static void fbx_of_blender_is_read_as_blender_means_it(void **state)
+{
+    static const char layer[] = "  LayerElementMaterial: 0 {\n"
+                                "   Version: 101\n"
+                                "   Name: \"\"\n"
+                                "   MappingInformationType: \"AllSame\"\n"
+                                "   ReferenceInformationType: \"IndexToDirect\"\n"
+                                "   Materials: *1 {\n"
+                                "    a: 0\n"
+                                "   }\n"
+                                "  }\n"
+                                "  Layer: 0 {\n"
+                                "   Version: 100\n"
+                                "   LayerElement:  {\n"
+                                "    Type: \"LayerElementMaterial\"\n"
+                                "    TypedIndex: 0\n"
+                                "   }\n"
+                                "  }\n";
+    static const char paint[] = " Material: 5, \"Material::paint\", \"\" {\n"
+                                "  Version: 102\n"
+                                "  ShadingModel: \"phong\"\n"
+                                "  MultiLayer: 0\n"
+                                "  Properties70: {\n"
+                                "   P: \"DiffuseColor\", \"Color\", \"\", \"A\",0.5,0.25,0.125\n"
+                                "   P: \"DiffuseFactor\", \"Number\", \"\", \"A\",1\n"
+                                "   P: \"SpecularColor\", \"Color\", \"\", \"A\",0.5,0.5,0.5\n"
+                                "   P: \"SpecularFactor\", \"Number\", \"\", \"A\",1\n"
+                                "   P: \"ShininessExponent\", \"Number\", \"\", \"A\",20\n"
+                                "   P: \"ReflectionFactor\", \"Number\", \"\", \"A\",0.5\n"
+                                "  }\n"
+                                " }\n";
+    static const char *const creators[] = { "any", "Blender (stable FBX IO) - 3.4.1 - 4.37.1" };
+    fixture *f = *state;
+    for (int k = 0; k < 2; k++) {
+        size_t bytes;
+        rsv_scene_destroy(load_fbx_light(f, creators[k], 1, ""));
+        char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
+        text[bytes] = '\0';
+        char *lamp = strstr(text, " }\n NodeAttribute: 10"),
+             *end = strstr(text, "}\nConnections: {\n");
+        assert_true(lamp && end);
+        FILE *file = fopen(path_in(&files, "b.fbx"), "w");
+        fprintf(file, "%.*s%s%.*s%s}\nConnections: {\n C: \"OO\",5,2\n%s", (int)(lamp - text), text,
+            layer, (int)(end - lamp), lamp, paint, end + strlen("}\nConnections: {\n"));
+        fclose(file);
+        free(text);
+        rsv_scene *scene = load(f, "b.fbx");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        const rsv_material *m = &view->material[view->triangle_material[0]];
+        assert_string_equal(m->name, "paint");
+        assert_float_equal(m->roughness, k ? 1 - sqrt(0.2) : pow(2 / 22.0, 0.25), 1e-5);
+        assert_float_equal(m->metallic, k ? 0.5 : 0, 1e-6);
+        assert_float_equal(m->specular, k ? 1 : 0.5, 1e-6);
+        assert_float_equal(m->ior, k ? (1 + sqrt(0.08)) / (1 - sqrt(0.08)) : 1.5, 1e-5);
+        rsv_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, enter, leave)
@@ -663,6 +722,7 @@ int main(void)
         CASE(collada_spots_end_where_they_say),
         CASE(every_light_of_a_node_shines_and_ambient_ones_are_named),
         CASE(collada_cameras_see_what_they_say),
+        CASE(fbx_of_blender_is_read_as_blender_means_it),
         CASE(shifts_of_films_are_named),
         CASE(fbx_tells_of_shifted_films),
         CASE(metals_of_blender_in_collada_are_metals),

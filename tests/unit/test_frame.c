@@ -407,11 +407,13 @@ static void reused_light_goes_with_its_source(void **state)
 
 /// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
 /// The mean of all channels of a moving frame's light, refreshed before each frame or not.
-static uint64_t hash_of_refreshed(rsv_light *solution, const world *w, bool refreshed)
+static uint64_t hash_of_refreshed(
+    rsv_light *solution, const world *w, rsv_instructions instructions, bool refreshed)
 {
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w);
     desc.gloss = RSV_GLOSS_REUSED;
+    desc.instructions = instructions;
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     for (int k = 0; k < 12; k++) {
         view.camera[0].position.x = 1e-3f * (float)k;
@@ -423,13 +425,15 @@ static uint64_t hash_of_refreshed(rsv_light *solution, const world *w, bool refr
     return hash;
 }
 
-/// Light that has not changed is not dropped.
+/// Light that has not changed is not dropped, and frames on the way do not depend on the instructions.
 static void reused_light_stays_with_its_sources(void **state)
 {
     (void)state;
     world *w = mixed_world(false);
     rsv_light *solution = solve(w);
-    assert_true(hash_of_refreshed(solution, w, true) == hash_of_refreshed(solution, w, false));
+    uint64_t hash = hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_BEST, false);
+    assert_true(hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_BEST, true) == hash);
+    assert_true(hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_PORTABLE, false) == hash);
     rsv_light_destroy(solution);
     world_end(w);
 }
