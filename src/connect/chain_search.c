@@ -1,8 +1,10 @@
 #include "connect_internal.h"
 
 #include "../core/core.h"
+#include "../core/morton.h"
 #include "../core/sampling.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /// Rays towards smooth surfaces, of all sources together, by solid angle; each triangle gets one beside if these are no more.
@@ -10,9 +12,22 @@
 #define LEAST_RAYS 1024 ///< of a source
 #define FAINT 3e-4f     ///< chains that leave less of the light are left out
 #define NEARBY 1.25     ///< extents of a chain's first triangle within which it is tried
+#define NEARBY_RAYS 2.0 ///< likewise, spacings of rays
 #define WIDE 0.5    ///< radians, or of the scene's radius: chains that are wider are always tried
+#define LEVEL 1e-4f ///< difference of normals below which facets are one
 #define BRANCHES 64 ///< of a ray that wait to be followed
 #define MOST_CHAINS ((size_t)1 << 18) ///< of a source
+
+/// A smooth triangle, and its place along Morton's curve: neighbours share rays out evenly.
+typedef struct smooth_triangle {
+    uint64_t key;
+    uint32_t triangle;
+} smooth_triangle;
+
+typedef struct target_list {
+    smooth_triangle *target; ///< [count], by key
+    size_t count;
+} target_list;
 
 /// A ray of the search at a surface.
 typedef struct branch {
@@ -90,7 +105,8 @@ static rsv_status make_room(search *s)
 
 static rsv_chain_beam beam_of(const search *s, const rsv_double_ray end[3], uint32_t triangle)
 {
-    double extent = NEARBY * fmax(s->spacing, rsv_chain_extent(s->c, &s->chain.seed, triangle));
+    double extent =
+        fmax(NEARBY_RAYS * s->spacing, NEARBY * rsv_chain_extent(s->c, &s->chain.seed, triangle));
     double wide = s->chain.seed.distant ? WIDE * s->c->radius : WIDE;
     return (rsv_chain_beam){ d3_to_float(end[0].origin), d3_to_float(end[0].direction),
         d3_to_float(end[1].origin), d3_to_float(end[2].origin), d3_to_float(end[1].direction),
@@ -215,11 +231,6 @@ static double seen_from(const search *s, const rsv_connect_source *source, uint3
     return fmin(2 * M_PI, 0.5 * fabs(d3_dot(n, way)) / (distance * distance * distance));
 }
 
-static bool is_target(const search *s, uint32_t triangle)
-{
-    return is_smooth(&s->c->scene.bsdf[s->c->scene.view->triangle_material[triangle]]);
-}
-
 /// @param index of a ray to the triangle, the first of which goes to the middle
 static void shoot(search *s, const rsv_connect_source *source, uint32_t triangle, uint32_t index)
 {
@@ -238,29 +249,27 @@ static void shoot(search *s, const rsv_connect_source *source, uint32_t triangle
 }
 
 /// Shares rays out among triangles by the solid angle that they fill. Where triangles are fewer, each gets one beside.
-static void search_from(search *s, const rsv_connect_source *source, double rays)
+static void search_from(
+    search *s, const rsv_connect_source *source, const target_list *targets, double rays)
 {
-    const rsv_scene_view *view = s->c->scene.view;
-    double all = 0, due = 0, targets = 0;
-    for (uint32_t t = 0; t < view->triangle_count; t++) {
-        if (!is_target(s, t)) continue;
-        all += seen_from(s, source, t);
-        targets++;
-    }
-    bool each = targets <= rays;
+    double all = 0, due = 0;
+    for (size_t k = 0; k < targets->count; k++)
+        all += seen_from(s, source, targets->target[k].triangle);
+    bool each = (double)targets->count <= rays;
     if (!each) s->spacing = sqrt(all / rays);
-    for (uint32_t t = 0; t < view->triangle_count && s->status == RSV_OK; t++) {
-        if (!is_target(s, t) || rsv_cancelled(s->c->context)) continue;
-        due += all > 0 ? rays * seen_from(s, source, t) / all : 0;
-        uint32_t count = each;
+    for (size_t k = 0; k < targets->count && s->status == RSV_OK; k++) {
+        if (rsv_cancelled(s->c->context)) return;
+        uint32_t triangle = targets->target[k].triangle, count = each;
+        due += all > 0 ? rays * seen_from(s, source, triangle) / all : 0;
         for (; due >= 1; due--)
             count++;
-        for (uint32_t k = 0; k < count && s->status == RSV_OK; k++)
-            shoot(s, source, t, k);
+        for (uint32_t r = 0; r < count && s->status == RSV_OK; r++)
+            shoot(s, source, triangle, r);
     }
 }
 
-static rsv_status search_source(const rsv_connections *c, size_t index, double rays)
+static rsv_status search_source(
+    const rsv_connections *c, size_t index, const target_list *targets, double rays)
 {
     search *s = rsv_alloc(c->context, 1, sizeof *s);
     if (!s) return RSV_ERROR_MEMORY;
@@ -268,19 +277,92 @@ static rsv_status search_source(const rsv_connections *c, size_t index, double r
     s->chain.source = (uint32_t)index;
     s->known = rsv_alloc(c->context, s->known_size, sizeof *s->known);
     s->status = s->known ? RSV_OK : RSV_ERROR_MEMORY;
-    if (s->known) search_from(s, &c->source[index], rays);
+    if (s->known) search_from(s, &c->source[index], targets, rays);
     rsv_status status = s->status;
     rsv_free(c->context, s->known);
     rsv_free(c->context, s);
     return status;
 }
 
+// ---- targets ------------------------------------------------------------------------------------
+
+static int compare_targets(const void *a, const void *b)
+{
+    const smooth_triangle *x = a, *y = b;
+    if (x->key != y->key) return x->key < y->key ? -1 : 1;
+    return (x->triangle > y->triangle) - (x->triangle < y->triangle);
+}
+
+static uint64_t key_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 at = v3_barycentric(view->position[corner[0]], view->position[corner[1]],
+        view->position[corner[2]], 1.0f / 3, 1.0f / 3);
+    rsv_vec3 from = v3_sub(at, view->bounds_min), size = v3_sub(view->bounds_max, view->bounds_min);
+    float scale = 1 / f_max(v3_max_abs(size), 1e-30f);
+    return rsv_morton_key(from.x * scale, from.y * scale, from.z * scale, RSV_MORTON_BITS);
+}
+
+static rsv_status list_targets(const rsv_connections *c, target_list *list)
+{
+    const rsv_scene_view *view = c->scene.view;
+    size_t count = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++)
+        count += is_smooth(&c->scene.bsdf[view->triangle_material[t]]);
+    *list = (target_list){ rsv_alloc(c->context, count, sizeof *list->target), 0 };
+    if (!list->target) return RSV_ERROR_MEMORY;
+    for (uint32_t t = 0; t < view->triangle_count; t++)
+        if (is_smooth(&c->scene.bsdf[view->triangle_material[t]]))
+            list->target[list->count++] = (smooth_triangle){ key_of(view, t), t };
+    qsort(list->target, count, sizeof *list->target, compare_targets);
+    return RSV_OK;
+}
+
+/// The normal of a triangle that does not interpolate one; else zero.
+static rsv_vec3 flat_normal(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 n = view->normal[corner[0]];
+    bool flat = v3_max_abs(v3_sub(n, view->normal[corner[1]])) < LEVEL &&
+                v3_max_abs(v3_sub(n, view->normal[corner[2]])) < LEVEL;
+    return flat ? n : v3(0, 0, 0);
+}
+
+/// Rays can only be followed from facet to facet where normals tell how the surface bends: of many facets without, most
+/// are missed.
+static void warn_of_facets(const rsv_connections *c, const target_list *targets, double rays)
+{
+    const rsv_scene_view *view = c->scene.view;
+    rsv_vec3 before = v3(0, 0, 0);
+    size_t facets = 0;
+    for (size_t k = 0; k < targets->count; k++) {
+        rsv_vec3 n = flat_normal(view, targets->target[k].triangle);
+        bool turns = v3_max_abs(n) > 0 && v3_max_abs(v3_sub(n, before)) > LEVEL;
+        facets += turns;
+        if (v3_max_abs(n) > 0) before = n;
+        if ((double)facets <= rays || !turns) continue;
+        uint32_t material = view->triangle_material[targets->target[k].triangle];
+        rsv_log(c->context, RSV_LOG_WARNING,
+            "material '%s': probes miss most of the light of lamps that its more than %.0f flat facets send; give the "
+            "mesh smooth normals",
+            view->material[material].name, rays);
+        return;
+    }
+}
+
 rsv_status rsv_chains_find(rsv_connections *c)
 {
+    rsv_status status;
+    target_list targets = { 0 };
     double rays = fmax(LEAST_RAYS, RAYS / (double)c->source_count);
     int failed = 0;
+    RSV_TRY(list_targets(c, &targets));
+    if ((double)targets.count > rays) warn_of_facets(c, &targets, rays);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(c->context)) reduction(+ : failed)
     for (size_t k = 0; k < c->source_count; k++)
-        failed += search_source(c, k, rays) != RSV_OK;
-    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+        failed += search_source(c, k, &targets, rays) != RSV_OK;
+    if (failed) status = RSV_ERROR_MEMORY;
+cleanup:
+    rsv_free(c->context, targets.target);
+    return status;
 }

@@ -69,7 +69,8 @@ static receiver set_up_receiver(const rsv_probe_job *job, const rsv_probe *probe
         position, normal, rsv_tracer_receiver_origin(job->solution->tracer, position, normal));
     r.medium = rsv_medium_above(&job->solution->scene.media, r.at.origin, normal);
     find_surface(&r);
-    if (!r.has_caustic) r.caustic = rsv_connected_irradiance(job->connections, position, normal, false);
+    if (!r.has_caustic)
+        r.caustic = rsv_connected_irradiance(job->connections, position, normal, false);
     return r;
 }
 

@@ -285,10 +285,11 @@ static rsv_status read_received(case_bench *bench, const cJSON *probe, case_read
     rsv_vec3 point = vector(probe, "point"), offset = v3_sub(point, lens->center);
     rsv_probe receiver = { point, vector(probe, "normal") };
     double radius = radius_of(&bench->scene, probe);
-    if (bench->mode != RSV_PROBE_LOOKUP && lens->shape != CASE_SPHERE)
+    bool is_point = !cJSON_HasObjectItem(probe, "radius");
+    if (bench->mode != RSV_PROBE_LOOKUP && is_point)
         return read_point(bench, (case_variant){ 0 }, receiver, reading);
     rsv_status status = read_disk(bench, receiver, radius, reading);
-    if (lens->shape == CASE_SPHERE && !cJSON_HasObjectItem(probe, "radius"))
+    if (lens->shape == CASE_SPHERE && is_point)
         reading->value /= case_lens_blur(lens->ior, fabs((double)offset.z) / lens->radius,
             hypot((double)offset.x, (double)offset.y) / lens->radius, radius / lens->radius);
     return status;

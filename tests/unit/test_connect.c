@@ -1,4 +1,4 @@
-/// Punctual lights seen from places by way of mirrors, panes and prisms.
+/// Punctual lights seen from places by way of mirrors, panes, prisms and balls.
 #include "connect/connect.h"
 #include "light_fixture.h"
 
@@ -53,7 +53,7 @@ static rsv_connection connection_along(const rsv_connections *c, rsv_vec3 point,
     size_t count = rsv_connect(c, point, found);
     for (size_t k = 0; k < count; k++)
         if (v3_dot(found[k].towards, along) < -1 + 1e-5f) return found[k];
-    return (rsv_connection){ along, rgb_gray(0) };
+    return (rsv_connection){ along, rgb_gray(0), false };
 }
 
 static void prisms_turn_beams(void **state)
@@ -118,6 +118,52 @@ static void panes_dim_lamps(void **state)
     world_end(w);
 }
 
+/// Irradiance behind a unit ball in a beam along z, at r from the axis; light that passes without a reflection inside.
+static double behind_ball(double r, double z, double ior)
+{
+    double low = 0, high = 0.7; // height of the ray; the image is upside down
+    for (int k = 0; k < 60; k++) {
+        double h = (low + high) / 2, turn = 2 * (asin(h) - asin(h / ior));
+        double at =
+            sin(2 * asin(h / ior) - asin(h)) - (z - cos(2 * asin(h / ior) - asin(h))) * tan(turn);
+        *(at > -r ? &low : &high) = h;
+    }
+    double r_of[2], step = 1e-5;
+    for (int k = 0; k < 2; k++) {
+        double h = low + k * step, turn = 2 * (asin(h) - asin(h / ior)),
+               p = 2 * asin(h / ior) - asin(h);
+        r_of[k] = fabs(sin(p) - (z - cos(p)) * tan(turn));
+    }
+    double passed = transmitted(cos(asin(low)), cos(asin(low / ior)), ior);
+    return passed * passed * low * step / (r * (r_of[1] - r_of[0]));
+}
+
+/// A glass ball gathers a beam. @param expected W/m2 of the strongest connection, at r from the axis
+static void balls_gather_beams(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material glass = glass_material();
+    glass.ior = 1.33f;
+    world_sphere(w, world_material(w, glass), v3(0, 0, 0), 1, 5);
+    add_light(
+        w, (rsv_punctual_light){ .kind = RSV_PUNCTUAL_DIRECTIONAL, .direction = v3(0, 0, 1) });
+    rsv_connections *c = connect_world(w);
+    for (int k = 0; k < 32; k++) {
+        float r = 0.1f + 0.015f * (float)k, turn = 2.4f * (float)k;
+        rsv_vec3 point = v3(r * cosf(turn), r * sinf(turn), 4);
+        rsv_connection found[RSV_MOST_CONNECTIONS];
+        size_t count = rsv_connect(c, point, found);
+        float most = 0;
+        for (size_t j = 0; j < count; j++)
+            most = f_max(most, -found[j].towards.z * found[j].irradiance.g);
+        double expected = behind_ball((double)r, 4, 1.33);
+        assert_close((double)most, expected, 0.01 * expected);
+    }
+    rsv_connections_destroy(c);
+    world_end(w);
+}
+
 static void nothing_smooth_has_no_connections(void **state)
 {
     (void)state;
@@ -139,6 +185,7 @@ int main(void)
         cmocka_unit_test(prisms_turn_beams),
         cmocka_unit_test(shelves_light_ceilings),
         cmocka_unit_test(panes_dim_lamps),
+        cmocka_unit_test(balls_gather_beams),
         cmocka_unit_test(nothing_smooth_has_no_connections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
