@@ -48,7 +48,10 @@ install(FILES ${PROJECT_BINARY_DIR}/resolventConfig.cmake
 # The prefix is found from where the file lies, so that `cmake --install --prefix` may choose it. Embree and meshoptimizer have
 # no pkg-config files of their own.
 file(RELATIVE_PATH RSV_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
-set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} -lmeshoptimizer ${OpenMP_C_FLAGS} -lstdc++ -lm")
+set(RSV_PC_PRIVATE_LIBS "-lmeshoptimizer ${OpenMP_C_FLAGS} -lstdc++ -lm")
+if(RSV_EMBREE)
+    set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} ${RSV_PC_PRIVATE_LIBS}")
+endif()
 configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent.pc.in ${PROJECT_BINARY_DIR}/resolvent.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/resolvent.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent_rt.pc.in ${PROJECT_BINARY_DIR}/resolvent_rt.pc @ONLY)

@@ -8,5 +8,9 @@ functions=(rsv_rt_status_text rsv_rt_relight rsv_rt_turn rsv_rt_operator_check r
     rsv_rt_sh_irradiance)
 kind=(-msimd128)
 [[ ${2:-} != scalar ]] || kind=(-DRSV_RT_SCALAR)
-clang --target=wasm32 -std=c99 -O3 "${kind[@]}" -ffreestanding -ffp-contract=off -nostdlib -Wl,--no-entry \
-    -Wl,--strip-all "${functions[@]/#/-Wl,--export=}" -Wl,--export=__heap_base "$here/resolvent_rt.c" -o "$1"
+object=$(mktemp)
+trap 'rm -f "$object"' EXIT
+clang --target=wasm32 -std=c99 -O3 "${kind[@]}" -ffreestanding -ffp-contract=off -c "$here/resolvent_rt.c" -o "$object"
+# without -O: with it, clang runs whatever wasm-opt is installed, and Debian's refuses SIMD that it is not told of
+clang --target=wasm32 -nostdlib -Wl,--no-entry -Wl,--strip-all "${functions[@]/#/-Wl,--export=}" \
+    -Wl,--export=__heap_base "$object" -o "$1"

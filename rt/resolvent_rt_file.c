@@ -7,6 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef RSV_RT_ZLIB
+#include <math.h>
+#include <zlib.h>
+#endif
+
 static int fail(rsv_rt_file *file, const char *format, ...)
 {
     va_list arguments;
@@ -294,22 +299,114 @@ int rsv_rt_file_receivers(
 
 // ---- baked bases ----------------------------------------------------------------------------------
 
-int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
+/// What is said of a basis's size: the shape of its array or, where it is packed, a note.
+static int read_shape(rsv_rt_file *file, int packed, rsv_rt_basis *basis)
 {
     const char *name = "basis.value";
-    memset(basis, 0, sizeof *basis);
-    if (strcmp(note(file, "format"), "resolvent-light-basis") != 0)
-        return fail(file, "it holds no light basis");
-    if (strcmp(note(file, "format_version"), "1") != 0 &&
-        strcmp(note(file, "format_version"), "2") != 0)
-        return fail(file, "it is a light basis of a version that is not known here");
-    basis->light_count = extent(file, name, 0);
-    basis->receiver_count = extent(file, name, 1);
-    basis->value_count = extent(file, name, 2) / 3;
+    uint32_t shape[3] = { extent(file, name, 0), extent(file, name, 1), extent(file, name, 2) };
+    cJSON *noted = packed ? cJSON_Parse(note(file, "basis.shape")) : NULL;
+    for (int k = 0; packed && k < 3; k++) {
+        const cJSON *length = cJSON_GetArrayItem(noted, k);
+        int whole = cJSON_IsNumber(length) && length->valuedouble >= 0 &&
+                    length->valuedouble <= (double)UINT32_MAX;
+        shape[k] = whole ? (uint32_t)length->valuedouble : 0;
+    }
+    cJSON_Delete(noted);
+    basis->light_count = shape[0];
+    basis->receiver_count = shape[1];
+    basis->value_count = shape[2] / 3;
     uint64_t receivers = (uint64_t)basis->light_count * basis->receiver_count;
     if (receivers > UINT64_MAX >> 8 || basis->value_count > RSV_RT_SH_COUNT)
         return fail(file, "its basis is larger than any");
-    basis->value = sized(file, name, "F32", receivers * basis->value_count * 3);
+    return 0;
+}
+
+#ifdef RSV_RT_ZLIB
+
+static float from_half(uint16_t half)
+{
+    int exponent = half >> 10 & 31, mantissa = half & 1023;
+    float size =
+        exponent ? ldexpf((float)(1024 + mantissa), exponent - 25) : ldexpf((float)mantissa, -24);
+    return half & 0x8000 ? -size : size;
+}
+
+/// @param plane [width][2][receivers] low bytes of a channel's differences, then high ones
+static void join_planes(
+    const unsigned char *plane, size_t receivers, size_t width, float scale, float *value)
+{
+    for (size_t c = 0; c < width; c++) {
+        const unsigned char *low = plane + 2 * c * receivers, *high = low + receivers;
+        uint16_t half = 0;
+        for (size_t n = 0; n < receivers; n++) {
+            uint16_t code = (uint16_t)(low[n] | high[n] << 8);
+            half = (uint16_t)(half + (uint16_t)(code >> 1 ^ (code & 1 ? 0xffff : 0)));
+            value[n * width + c] = scale * from_half(half);
+        }
+    }
+}
+
+/// Zlib makes nothing smaller by more than this: a damaged file must not make us ask for any amount of memory.
+#define MOST_DEFLATED 1100
+
+static int unpack_lights(
+    rsv_rt_file *file, const rsv_rt_basis *basis, const float *scale, unsigned char *plane)
+{
+    size_t width = 3 * (size_t)basis->value_count, count, receivers = basis->receiver_count;
+    char name[64];
+    for (uint32_t l = 0; l < basis->light_count; l++) {
+        snprintf(name, sizeof name, "basis.packed.%u", l);
+        const void *bytes = rsv_rt_file_array(file, name, "U8", &count);
+        uLongf made = (uLongf)(2 * receivers * width);
+        if (!bytes) return -1;
+        if (uncompress(plane, &made, bytes, (uLong)count) != Z_OK || made != 2 * receivers * width)
+            return fail(file, "array '%s' is damaged", name);
+        join_planes(plane, receivers, width, scale[l], file->owned + l * receivers * width);
+    }
+    return 0;
+}
+
+static int read_packed(rsv_rt_file *file, rsv_rt_basis *basis)
+{
+    uint64_t one = 3 * (uint64_t)basis->value_count * basis->receiver_count;
+    const float *scale = sized(file, "basis.scale", "F32", basis->light_count);
+    if (!scale) return -1;
+    if (2 * one * basis->light_count / MOST_DEFLATED > file->size)
+        return fail(file, "it is too short for its basis");
+    unsigned char *plane = malloc((size_t)(2 * one) + 1);
+    free(file->owned);
+    file->owned = malloc((size_t)(one * basis->light_count) * sizeof(float) + 1);
+    int result = plane && file->owned ? unpack_lights(file, basis, scale, plane)
+                                      : fail(file, "out of memory");
+    free(plane);
+    basis->value = file->owned;
+    return result;
+}
+
+#else
+
+static int read_packed(rsv_rt_file *file, rsv_rt_basis *basis)
+{
+    (void)basis;
+    return fail(file, "its basis is packed: bake without --packed, or compile the loader with "
+                      "RSV_RT_ZLIB");
+}
+
+#endif
+
+int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
+{
+    const char *version = note(file, "format_version");
+    int packed = strcmp(version, "3") == 0;
+    memset(basis, 0, sizeof *basis);
+    if (strcmp(note(file, "format"), "resolvent-light-basis") != 0)
+        return fail(file, "it holds no light basis");
+    if (!packed && strcmp(version, "1") != 0 && strcmp(version, "2") != 0)
+        return fail(file, "it is a light basis of a version that is not known here");
+    if (read_shape(file, packed, basis) != 0) return -1;
+    uint64_t values = 3 * (uint64_t)basis->light_count * basis->receiver_count * basis->value_count;
+    if (packed && read_packed(file, basis) != 0) return -1;
+    if (!packed) basis->value = sized(file, "basis.value", "F32", values);
     if (!basis->value) return -1;
     if (basis->value_count && (uint32_t)cJSON_GetArraySize(light_names(file)) == basis->light_count)
         return 0;

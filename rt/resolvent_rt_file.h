@@ -17,7 +17,7 @@ typedef struct rsv_rt_file {
     size_t size;
     struct cJSON *header;
     size_t data;  ///< where the arrays begin
-    float *owned; ///< of rsv_rt_file_direct
+    float *owned; ///< of rsv_rt_file_direct, and of bases that were packed
 } rsv_rt_file;
 
 /// Reads a file in the safetensors layout. @return 0, or -1 with file->message; close it in either case
@@ -45,7 +45,8 @@ int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct);
 int rsv_rt_file_receivers(
     rsv_rt_file *file, const rsv_rt_operator *transport, rsv_rt_receivers *receivers);
 
-/// The basis of a file that `resolvent bake` wrote.
+/// The basis of a file that `resolvent bake` wrote. Those of `--packed` are unpacked where this file was compiled with
+/// RSV_RT_ZLIB defined, and linked with zlib; else they are refused. @return 0, or -1 with file->message
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis);
 
 /// The grid of a basis of probes (basis.value_count RSV_RT_SH_COUNT), for rsv_rt_probe_at. @return 0, or -1 with

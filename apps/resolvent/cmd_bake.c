@@ -29,12 +29,15 @@ static const char help[] =
     "  -o OUT             the output file: .glb; for probes and fog .json\n"
     "  --basis            also write the contribution of each light to OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
+    "  --packed           with --basis: write it in about a tenth of the bytes, for downloads\n"
     "  --operator         vertex, lightmap: also write OUT.operator.safetensors, for lights at run time\n"
     "                     that were not baked (docs/runtime.md)\n"
     "  --env-turns N      with --basis: store the environment at N angles of a full turn (1 to 64), so\n"
     "                     that it can be rotated at run time (default 1: fixed)\n"
+    "  --sky              also write the environment to OUT.hdr, as it is at --env-rotate 0\n"
     "  --error SHARE      vertex, lightmap: target error of direct light for the median texel or vertex\n"
-    "                     (default 1%); penumbrae get more shadow rays\n"
+    "                     (default 1%); penumbrae get more shadow rays. With it, `bake` ends by measuring\n"
+    "                     the error of 256 texels or vertices\n"
     "  --light-scale L    vertex, lightmap: the value that 1 stands for in colours and 8-bit maps, as the\n"
     "                     radiance of a white surface, W/(m2 sr). Brighter light is clipped, with a note\n"
     "                     (default: lightmaps clip at most 0.1 %, vertices nothing, vertices with --unlit\n"
@@ -76,6 +79,7 @@ typedef struct settings {
     cli_checkpoint checkpoint;
     uint32_t threads;
     bool new_uv;
+    float error; ///< 0 = not given
     rsv_bake_desc bake;
 } settings;
 
@@ -119,8 +123,7 @@ static bool check_target(const settings *s, int *exit_status)
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
     else if (is_volume(s->target) && s->bake.operator_file)
         *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
-    else if (is_volume(s->target) &&
-             (s->bake.light_scale > 0 || s->bake.error != rsv_default_bake_desc().error))
+    else if (is_volume(s->target) && (s->bake.light_scale > 0 || s->error > 0))
         *exit_status =
             cli_usage_error("bake", "--error and --light-scale go with --to vertex or lightmap");
     else
@@ -137,6 +140,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->target_index,
             .choices = rsv_bake_target_names() },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
+        { .name = "--packed", .kind = CLI_FLAG, .value = &s->bake.packed, .goes_with = "--basis" },
         { .name = "--operator", .kind = CLI_FLAG, .value = &s->bake.operator_file },
         { .name = "--env-turns",
             .kind = CLI_COUNT,
@@ -144,8 +148,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .min = 1,
             .max = 64,
             .goes_with = "--basis" },
-        { .name = "--error", .kind = CLI_SHARE, .value = &s->bake.error, .min = 0.001, .max = 0.5 },
+        { .name = "--error", .kind = CLI_SHARE, .value = &s->error, .min = 0.001, .max = 0.5 },
         { .name = "--light-scale", .kind = CLI_REAL, .value = &s->bake.light_scale, .max = 1e12 },
+        { .name = "--sky", .kind = CLI_FLAG, .value = &s->bake.sky },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         VERTEX_OPTIONS(&s->bake),
         LIGHTMAP_OPTIONS(&s->bake),
@@ -195,6 +200,11 @@ static void print_report(const char *target, const rsv_bake_report *r)
         printf("clipped     %.3g %% of the %s are brighter than that%s\n", 100 * r->saturated,
             r->map_width ? "texels" : "vertices",
             r->map_width ? "; OUT.lightmap.exr holds them all" : "; --light-scale keeps them");
+    if (r->judged)
+        printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s estimated anew, "
+               "with noise of %.2g %%\n",
+            100 * r->error_median, 100 * r->error_99, r->judged,
+            r->map_width ? "texels" : "vertices", 100 * r->error_noise);
     if (r->lights) printf("lights      %zu\n", r->lights);
 }
 
@@ -206,6 +216,12 @@ static cJSON *describe(const settings *s, const rsv_bake_report *r)
     cJSON_AddNumberToObject(root, "light_scale", (double)r->light_scale);
     cJSON_AddNumberToObject(root, "irradiance_scale", (double)r->light_scale * PI);
     cJSON_AddNumberToObject(root, "saturated", r->saturated);
+    if (r->judged) {
+        cJSON_AddNumberToObject(root, "judged", (double)r->judged);
+        cJSON_AddNumberToObject(root, "error_median", r->error_median);
+        cJSON_AddNumberToObject(root, "error_99", r->error_99);
+        cJSON_AddNumberToObject(root, "error_noise", r->error_noise);
+    }
     if (r->vertices) {
         cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
         cJSON_AddNumberToObject(root, "triangles", (double)r->triangles);
@@ -240,11 +256,14 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 }
 
 /// Before it is solved: what would fail only afterwards.
-static bool can_turn(const settings *s, const rsv_scene *scene)
+static bool has_surroundings(const settings *s, const rsv_scene *scene)
 {
-    if (s->bake.turns == 1 || rsv_scene_get_view(scene)->environment) return true;
-    cli_error("--env-turns: there is no environment to rotate; add one with --env");
-    return false;
+    if (rsv_scene_get_view(scene)->environment) return true;
+    if (s->bake.turns > 1)
+        cli_error("--env-turns: there is no environment to rotate; add one with --env");
+    else if (s->bake.sky)
+        cli_error("--sky: there is no environment to write; add one with --env");
+    return s->bake.turns == 1 && !s->bake.sky;
 }
 
 /// Whether an operator file was asked for what only tracing gives; says so.
@@ -258,6 +277,7 @@ static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
 }
 
 #define USUAL_MAP_SIZE 1024
+#define JUDGED 256 ///< values that --error is checked at
 
 /// Bytes that a lightmap takes in the making.
 static size_t map_bytes(const settings *s)
@@ -275,7 +295,7 @@ static int bake(cli_session *session, settings *s, cli_subject *subject)
     // maps with many charts grow beyond the usual size by themselves, but not where memory is counted
     if (s->solve.max_bytes && !s->bake.map_size) s->bake.map_size = USUAL_MAP_SIZE;
     desc.reserved_bytes = map_bytes(s);
-    if (!can_turn(s, subject->scene) || refuse_checkpoint(s, subject) ||
+    if (!has_surroundings(s, subject->scene) || refuse_checkpoint(s, subject) ||
         !cli_checkpoint_prepare(session, &s->checkpoint, subject->scene, &desc))
         return CLI_FAILURE;
     rsv_status status = cli_solve_subject(session, &desc, NULL, subject, NULL);
@@ -318,6 +338,8 @@ static bool keeps_inputs(const settings *s)
         for (size_t n = 0; n < sizeof given / sizeof given[0]; n++)
             if (!cli_check_apart(side, given[n])) return false;
     }
+    snprintf(side, sizeof side, "%.*s.hdr", (int)stem, s->output);
+    if (s->bake.sky && !cli_check_apart(side, s->environment.path)) return false;
     return cli_check_apart(s->output, s->scene) && cli_check_apart(s->stats, s->output) &&
            cli_check_apart(s->stats, s->scene) && cli_check_apart(s->output, s->environment.path);
 }
@@ -332,6 +354,7 @@ int cli_bake(int argc, char **argv)
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     s.bake.keep_uv = !s.new_uv;
+    if (s.error > 0) s.bake.error = s.error, s.bake.judged = JUDGED;
     if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) || !keeps_inputs(&s))
         return CLI_FAILURE;
     cli_session session;

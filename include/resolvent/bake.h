@@ -43,6 +43,9 @@ typedef struct rsv_bake_desc {
     /// Error of the median texel or vertex that shadow rays go for, relative; that of the 99th percentile is about five times as
     /// large. 0.001..0.5, default 0.01
     float error;
+    /// Vertices, lightmaps: about so many values, drawn at random, are estimated once more by rays of their own, for the errors in the
+    /// report; 0..65536, default 0 = none.
+    uint32_t judged;
     bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
     /// Vertices, lightmaps: what 1 stands for in the file, as the radiance of a white surface, W/(m2 sr); brighter light is
     /// clipped. 0 = by itself: lightmaps clip 0.1 % of their texels at most, vertices nothing, or, if unlit, what is more than
@@ -58,13 +61,16 @@ typedef struct rsv_bake_desc {
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
     bool directional; ///< lightmaps: also where light comes from, for normal maps
     bool basis;       ///< also write what each light does by itself, for the runtime
+    bool packed; ///< the basis is written in about a tenth of the bytes, as halves (docs/bake.md)
     bool
         operator_file; ///< vertices, lightmaps: also write the operator, for lights that were not baked
     /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
     /// as they are.
     uint32_t turns;
-    float probe_spacing;             ///< metres; 0 = a sixteenth of the scene's longest side
-    uint32_t probe_samples;          ///< rays per direction of a probe, 32..65536, default 64
+    float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
+    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
+    bool
+        sky; ///< also OUT.hdr: the surroundings, W/(sr m2), not rotated, for backgrounds and reflections
     bool dry_run;                    ///< find out what would come out, write nothing
     const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
@@ -84,7 +90,13 @@ typedef struct rsv_bake_report {
     size_t valid_probes;
     float light_scale; ///< that 1 stands for in the file: radiance of a white surface, W/(m2 sr)
     double saturated;  ///< share of texels or vertices that are brighter, and clipped
-    size_t lights;     ///< of the basis, surroundings counted at every angle
+    /// What desc->judged asks for; 0 = nothing was judged. Errors are relative to the light there, or to a twentieth of the mean if that
+    /// is more; noise of the estimates that values are compared with is part of them.
+    size_t judged;       ///< how many values
+    double error_median; ///< of their errors
+    double error_99;     ///< 99th percentile of them
+    double error_noise;  ///< median noise of the estimates
+    size_t lights;       ///< of the basis, surroundings counted at every angle
 } rsv_bake_report;
 
 /// Light in COLOR_0: irradiance / pi / light_scale, so that base colour times it is what is seen.

@@ -32,7 +32,8 @@ RSV_API const char *rsv_instructions_name(rsv_instructions instructions);
 typedef enum rsv_frame_gloss {
     RSV_GLOSS_PATHS, ///< by a random path for each pixel and frame: right in the mean, noisy, slow
     /// By a few rays per frame, which end at the first surface and whose light is kept from frame to frame and shared among
-    /// neighbours: smooth and fast, an approximation while the camera moves. Very rough lobes reflect the irradiance. Where
+    /// neighbours: smooth and fast, an approximation while the camera moves. Edges are smoothed by the samples of up to
+    /// eight frames, followed to where they lie now. Very rough lobes reflect the irradiance. Where
     /// the camera rests, some pixels of each frame take a path as above, and the picture goes over to what these find as
     /// their noise falls: it converges to the same one. Where an object moves (rsv_frame_renderer_put), it stays an
     /// approximation. Ignored where a device makes the frames. The default

@@ -29,7 +29,8 @@ RSV_API rsv_status rsv_image_set_layer_name(rsv_image *image, uint32_t layer, co
 /// Index of the layer called `name`; UINT32_MAX if there is none.
 RSV_API uint32_t rsv_image_find_layer(const rsv_image *image, const char *name);
 
-/// Reads .exr (all RGB layers), .hdr, .png, .jpg, .webp; 8-bit formats are decoded from sRGB to linear.
+/// Reads .exr (all RGB layers), .hdr, .png, .jpg, .webp, .tga, .bmp and .gif; 8-bit formats are decoded from sRGB to
+/// linear.
 RSV_API rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image);
 
 /// The same of a picture in memory. @param name for messages, and to tell by its extension what the bytes leave open

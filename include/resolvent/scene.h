@@ -144,6 +144,9 @@ typedef struct rsv_mesh_desc {
     const float (*tangents)[4];
     const float (
         *colors)[4]; ///< [vertex_count] linear RGB and opacity, multiply the material's; or NULL
+    /// true = other versions of the scene have this mesh in other shapes. A light can then follow it (rsv_light_follow): no
+    /// two triangles share a vertex, in any pose.
+    bool deforms;
 } rsv_mesh_desc;
 
 typedef enum rsv_punctual_light_kind {

@@ -1,5 +1,6 @@
 /// Targets by name.
 #include "bake_desc.h"
+#include "bake_sky.h"
 #include "bake_target.h"
 
 #include <string.h>
@@ -62,9 +63,14 @@ rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *out
     if (!ends_in(output, target->extension))
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "bake: '%s' does not end in %s", output, target->extension);
-    rsv_status status = rsv_bake_check_desc(desc);
-    if (status != RSV_OK) return status;
-    return target->write(rsv_light_get_view(solution), desc, output, report);
+    rsv_status status;
+    const rsv_light_view *light = rsv_light_get_view(solution);
+    RSV_TRY(rsv_bake_check_desc(desc));
+    if (desc->sky) RSV_TRY(rsv_bake_check_sky(light));
+    RSV_TRY(target->write(light, desc, output, report));
+    if (desc->sky && !desc->dry_run) RSV_TRY(rsv_bake_write_sky(light, output));
+cleanup:
+    return status;
 }
 
 rsv_status rsv_bake_vertices(const rsv_light *solution, const char *output,

@@ -108,6 +108,27 @@
 /// Larger mixes what differs more.
 #define FILTER_STRENGTH 0.6f
 
+// ---- Indirect light gathered at vertices (bake_mend.c) ------------------------------------------------
+
+/// Rays that tell what is near; gather rays of a group, and groups of a vertex, which tell their noise.
+#define NEAR_RAYS 16
+#define MEND_RAYS 64
+#define MEND_GROUPS 8
+/// Change of stored light within an element, as a share of the light, and the element's edge over the harmonic mean of what one sees
+/// from there: from the first on stored light is doubted, from the second on it is not used. Measured, vertices of studio
+/// at draft: the 99th percentile of errors is 26 % instead of 83 %; at medium 15 % instead of 18 %.
+#define DOUBTED_CHANGE 0.1f
+#define WRONG_CHANGE 0.25f
+#define DOUBTED_NEAR 0.5f
+#define WRONG_NEAR 1.2f
+
+// ---- The error of a bake (bake_judge.c) --------------------------------------------------------------
+
+/// Shadow rays and gather rays of each half of a value that is judged. Measured: studio: what these find is off by a fifth of
+/// what the bake is, or less.
+#define JUDGED_SHADOW_RAYS 1024
+#define JUDGED_GATHER_RAYS 1024
+
 // ---- Noise of stored light (bake_smooth.c) ------------------------------------------------------------
 
 /// Cells between a node and the others that a plane is fitted to, and how many nodes these may be.

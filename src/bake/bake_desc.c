@@ -18,6 +18,9 @@ rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the tolerance must be from 0.002 to 1");
     if (!(desc->error >= 0.001f && desc->error <= 0.5f))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the error must be from 0.001 to 0.5");
+    if (desc->judged > 65536)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "bake: the values to be judged must be from 0 to 65536");
     if (!(desc->light_scale >= 0 && desc->light_scale <= 1e12f))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the light scale must be from 0 to 1e12");
     if (!(desc->density >= 0 && desc->density <= 1e6f))

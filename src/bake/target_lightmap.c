@@ -2,6 +2,7 @@
 #include "../core/vec.h"
 #include "bake_basis.h"
 #include "bake_constants.h"
+#include "bake_judge.h"
 #include "bake_lightmap_file.h"
 #include "bake_map_light.h"
 #include "bake_open.h"
@@ -94,9 +95,8 @@ static bool is_translucent(const rsv_light_view *s, const rsv_surface_place *pla
 }
 
 /// Shows the visitor the texels that surfaces have.
-static void show_texels(const rsv_lightmap_bake *b)
+static void show_texels(const rsv_lightmap_bake *b, const rsv_bake_visitor *visitor)
 {
-    const rsv_bake_visitor *visitor = b->desc->visitor;
     const rsv_bake_map *map = &b->layout.map;
     const rsv_bake_sheet sheet = sheet_of(b);
     const rsv_bake_cover cover = rsv_bake_cover_of(b->s);
@@ -114,6 +114,18 @@ static void show_texels(const rsv_lightmap_bake *b)
             .translucent = is_translucent(b->s, patch.place) };
         visitor->take(visitor->user, &value);
     }
+}
+
+static rsv_status judge(const rsv_lightmap_bake *b, rsv_bake_report *report)
+{
+    rsv_bake_judge judge;
+    rsv_status status = rsv_bake_judge_create(b->s, b->desc->judged, &judge);
+    if (status == RSV_OK && judge.wanted) {
+        show_texels(b, &judge.visitor);
+        status = rsv_bake_judge_finish(&judge, DARK * (float)b->s->report.mean_irradiance, report);
+    }
+    rsv_bake_judge_destroy(&judge);
+    return status;
 }
 
 static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
@@ -203,7 +215,8 @@ static rsv_status write_lightmap(const rsv_light_view *solution, const rsv_bake_
     if (b.desc->basis && !b.desc->dry_run) RSV_TRY(write_basis(&b, output, &report->lights));
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
-    if (desc->visitor) show_texels(&b);
+    if (desc->visitor) show_texels(&b, desc->visitor);
+    RSV_TRY(judge(&b, report));
     if (b.desc->dry_run) goto cleanup;
     if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));
     RSV_TRY(rsv_lightmap_bake_write(&b, output));

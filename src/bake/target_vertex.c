@@ -3,7 +3,9 @@
 #include "../core/vec.h"
 #include "bake_basis.h"
 #include "bake_constants.h"
+#include "bake_judge.h"
 #include "bake_lattice.h"
+#include "bake_mend.h"
 #include "bake_open.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
@@ -84,6 +86,38 @@ cleanup:
     rsv_free(b->s->context, tessellator);
     rsv_bake_borders_destroy(&borders);
     return status;
+}
+
+/// A vertex's light with what is stored of it mended. @param smooth the view that its light was read of
+static rsv_rgb mended(
+    const vertex_bake *b, const rsv_light_view *smooth, const rsv_bake_patch *patch, rsv_rgb light)
+{
+    const rsv_surface_place *at = &patch->place[0];
+    rsv_vec3 p =
+        rsv_surface_point_at(b->s->scene.view, at->triangle, at->u, at->v, at->back).position;
+    float total = f_max(rgb_luminance(light), dark_of(smooth)), step = b->finest / 16;
+    uint32_t number = rsv_hash3(
+        (uint32_t)lrintf(p.x / step), (uint32_t)lrintf(p.y / step), (uint32_t)lrintf(p.z / step));
+    rsv_rgb change = rsv_bake_mend(smooth, patch, total, rsv_hash2(b->s->desc.seed, number));
+    return rgb_positive(rgb_add(light, change));
+}
+
+/// Mends indirect light where elements do not show it well.
+static rsv_status mend(const vertex_bake *b)
+{
+    rsv_context *context = b->s->context;
+    for (size_t k = 0; k < b->parts.count; k++) {
+        const rsv_bake_mesh *mesh = &b->mesh[k];
+#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(context))
+        for (size_t n = 0; n < mesh->vertex_count; n++) {
+            rsv_bake_patch patch;
+            if (mesh->receiver[n].triangle == RSV_NONE || rsv_cancelled(context)) continue;
+            rsv_bake_vertex_patch(&b->smooth.view, &mesh->receiver[n], b->finest, &patch);
+            if (rsv_bake_keep_open(&b->cover, &patch))
+                mesh->light[n] = mended(b, &b->smooth.view, &patch, mesh->light[n]);
+        }
+    }
+    return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
 /// What 1 stands for, as the radiance of a white surface: colours of vertices may not exceed that.
@@ -298,9 +332,10 @@ static rsv_status read_vertices(
         value[n] = rgb_gray(0);
         if (!shown) continue;
         rsv_bake_vertex_patch(&smooth.view, &b->receiver[n], b->finest, &patch);
-        rsv_bake_keep_open(&cover, &patch);
+        bool open = rsv_bake_keep_open(&cover, &patch);
         value[n] = rsv_bake_light_patch(
             &lamps, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
+        if (open) value[n] = mended(b, &smooth.view, &patch, value[n]);
     }
     rsv_bake_sources_destroy(&lamps.sources);
     rsv_bake_smooth_destroy(&smooth);
@@ -338,32 +373,43 @@ cleanup:
     return status;
 }
 
-static void show_vertex(const vertex_bake *b, const rsv_bake_mesh *mesh, size_t n, uint32_t index)
+static void show_vertex(const vertex_bake *b, const rsv_bake_visitor *visitor,
+    const rsv_bake_receiver *receiver, rsv_bake_value value)
 {
-    const rsv_bake_visitor *visitor = b->desc->visitor;
     rsv_bake_patch patch;
-    rsv_bake_vertex_patch(b->s, &mesh->receiver[n], b->finest, &patch);
+    rsv_bake_vertex_patch(b->s, receiver, b->finest, &patch);
     if (!rsv_bake_keep_open(&b->cover, &patch)) return;
-    const rsv_bake_value value = { .at = { index, 0 },
-        .irradiance = mesh->light[n],
-        .place = patch.place,
-        .place_count = patch.count,
-        .translucent = !rsv_bake_is_sampled(b->s, &patch.place[0]) };
+    value.place = patch.place;
+    value.place_count = patch.count;
+    value.translucent = !rsv_bake_is_sampled(b->s, &patch.place[0]);
     visitor->take(visitor->user, &value);
 }
 
-/// Shows the visitor the vertices that triangles use.
-static void show_vertices(const vertex_bake *b)
+/// Shows a visitor the vertices that triangles use.
+static void show_vertices(const vertex_bake *b, const rsv_bake_visitor *visitor)
 {
-    const rsv_bake_visitor *visitor = b->desc->visitor;
     uint32_t size[2] = { 0, 1 }, at[2] = { 0, 0 };
     for (size_t k = 0; k < b->parts.count; k++)
         size[0] += (uint32_t)b->mesh[k].vertex_count;
     for (size_t k = 0; k < b->parts.count; k++)
-        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, at[0]++)
-            if (b->mesh[k].receiver[n].triangle != RSV_NONE &&
-                visitor->wants(visitor->user, at, size))
-                show_vertex(b, &b->mesh[k], n, at[0]);
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++, at[0]++) {
+            const rsv_bake_receiver *receiver = &b->mesh[k].receiver[n];
+            const rsv_bake_value value = { .at = { at[0], 0 }, .irradiance = b->mesh[k].light[n] };
+            if (receiver->triangle != RSV_NONE && visitor->wants(visitor->user, at, size))
+                show_vertex(b, visitor, receiver, value);
+        }
+}
+
+static rsv_status judge(const vertex_bake *b, rsv_bake_report *report)
+{
+    rsv_bake_judge judge;
+    rsv_status status = rsv_bake_judge_create(b->s, b->desc->judged, &judge);
+    if (status == RSV_OK && judge.wanted) {
+        show_vertices(b, &judge.visitor);
+        status = rsv_bake_judge_finish(&judge, dark_of(b->s), report);
+    }
+    rsv_bake_judge_destroy(&judge);
+    return status;
 }
 
 static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
@@ -419,6 +465,7 @@ static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_
         .finest = solution->elements->spacing / (float)(1 << solution->desc.direct_levels) };
     RSV_TRY(open_document(&b));
     RSV_TRY(tessellate(&b));
+    RSV_TRY(mend(&b));
     float scale = find_scale(&b);
     if (!desc->dry_run) {
         RSV_TRY(write_parts(&b));
@@ -428,7 +475,8 @@ static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_
         RSV_TRY(write_light(&b, scale));
     }
     fill_report(&b, scale, report);
-    if (desc->visitor) show_vertices(&b);
+    if (desc->visitor) show_vertices(&b, desc->visitor);
+    RSV_TRY(judge(&b, report));
     if (!desc->dry_run) RSV_TRY(rsv_bake_document_write(&b.document, output));
 cleanup:
     close_document(&b);

@@ -1,9 +1,8 @@
-/// The scene as a whole, and faces that lie in the same place.
+/// The scene as a whole.
 #include "check_internal.h"
 
 #include "../core/vec.h"
 #include "../scene/scene.h"
-#include "../scene/twins.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -66,27 +65,6 @@ static rsv_status check_light(rsv_checker *c)
         "nothing shines: no lamp, no emission, no environment; export lights, or use --env sky");
 }
 
-static rsv_status check_doubled(rsv_checker *c)
-{
-    rsv_status status = RSV_OK;
-    const rsv_scene_view *view = c->view;
-    if (!view->twins) return RSV_OK;
-    size_t *doubled = rsv_alloc(c->context, view->object_count, sizeof *doubled);
-    if (!doubled) return RSV_ERROR_MEMORY;
-    for (size_t t = 0; t < view->triangle_count; t++)
-        doubled[view->triangle_object[t]] += (view->twins->flags[t] & RSV_TWIN_COPY) != 0;
-    for (size_t k = 0; k < view->object_count; k++) {
-        const rsv_finding found = { .mistake = RSV_MISTAKE_DOUBLED_FACES, .count = doubled[k] };
-        if (doubled[k])
-            RSV_TRY(rsv_check_tell(c, &found, view->object_name[k],
-                "object '%.100s': %zu faces lie in the same place as others; delete the copies",
-                view->object_name[k], doubled[k]));
-    }
-cleanup:
-    rsv_free(c->context, doubled);
-    return status;
-}
-
 rsv_status rsv_scene_check(const rsv_scene *scene, rsv_finding **findings, size_t *count)
 {
     rsv_status status;
@@ -100,7 +78,7 @@ rsv_status rsv_scene_check(const rsv_scene *scene, rsv_finding **findings, size_
     RSV_TRY(check_light(&c));
     RSV_TRY(rsv_check_views(&c));
     RSV_TRY(rsv_check_edges(&c));
-    RSV_TRY(check_doubled(&c));
+    RSV_TRY(rsv_check_doubled(&c));
     *findings = c.finding;
     *count = c.count;
     c.finding = NULL;

@@ -23,6 +23,9 @@ rsv_status rsv_check_tell(rsv_checker *checker, const rsv_finding *finding, cons
 /// Edges of each object: faces that turn different ways, seams that are open.
 rsv_status rsv_check_edges(rsv_checker *checker);
 
+/// Faces that share all their corners with others, in whatever order.
+rsv_status rsv_check_doubled(rsv_checker *checker);
+
 /// What cameras see: backs, and gaps in a closed room.
 rsv_status rsv_check_views(rsv_checker *checker);
 

@@ -6,6 +6,9 @@
 
 #define PATTERN 0x7f4a7c15u ///< of samples whose number is known
 
+/// Places within pixels that frames of a moving camera take in turn.
+#define HISTORY_PLACES 16
+
 /// Camera rays per triangle that repay a hierarchy for beams, and what rays of specular paths are clear of.
 #define BEAM_RAYS 64
 #define CLEARANCE_RAYS 256
@@ -99,6 +102,9 @@ static rsv_status create_gloss(rsv_frame_renderer *r)
         if (!e->base || !e->lobes || !e->glossy) return RSV_ERROR_MEMORY;
         rsv_status status =
             rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
+        if (status == RSV_OK)
+            status =
+                rsv_frame_history_create(r->context, r->desc.width, r->desc.height, &e->history);
         if (status != RSV_OK) return status;
     }
     return RSV_OK;
@@ -234,6 +240,7 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].squares);
         rsv_free(r->context, r->eye[k].given);
         rsv_glossy_cells_destroy(&r->eye[k].cells);
+        rsv_frame_history_destroy(&r->eye[k].history);
         rsv_fog_front_destroy(r->context, &r->eye[k].fog);
     }
     rsv_fog_shine_destroy(&r->shine);
@@ -278,7 +285,8 @@ static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
         .width = r->tiling.width,
         .height = r->tiling.height };
     e->beam_lens = rsv_beam_lens_of(&e->aim.lens);
-    place_sample(r, e->samples, &e->aim);
+    bool follows = e->samples == 0 && e->history.keep > 0;
+    place_sample(r, follows ? e->history.frame % HISTORY_PLACES : e->samples, &e->aim);
     e->spread = rsv_camera_spread(&e->camera, r->tiling.height) / sqrtf((float)(e->samples + 1));
 }
 
@@ -310,6 +318,8 @@ static void begin_cells(rsv_frame_renderer *r)
     for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
         rsv_eye_picture *e = &r->eye[k];
         rsv_glossy_cells_begin(&e->cells, &e->aim.lens, e->samples > 0);
+        rsv_frame_history_begin(
+            &e->history, &e->aim.lens, e->samples, e->aim.place_x, e->aim.place_y);
     }
 }
 
@@ -422,6 +432,15 @@ static void finish_gloss(rsv_frame_renderer *r)
     }
 }
 
+/// Shows frames of a moving camera, together with what was shown before.
+static void finish_history(rsv_frame_renderer *r)
+{
+    if (!reuses_gloss(r)) return;
+    if (r->eye[0].history.moves) for_tiles(r, rsv_tile_recall);
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        r->eye[k].history.keep = 1;
+}
+
 /// What tiles at rest tell each other.
 static void share_rest(rsv_frame_renderer *r)
 {
@@ -451,6 +470,7 @@ static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
     begin_fog(r);
     for_tiles(r, rsv_tile_render);
     finish_gloss(r);
+    finish_history(r);
     share_rest(r);
     return RSV_OK;
 }
@@ -486,10 +506,13 @@ double rsv_frame_trace_only(rsv_frame_renderer *r, const rsv_frame_view *view)
     return rsv_seconds() - start;
 }
 
-static void forget_gloss(rsv_frame_renderer *r, float change)
+/// Forgets a share of what frames before have shown and found: the light has changed by so much.
+static void forget(rsv_frame_renderer *r, float change)
 {
-    for (uint32_t k = 0; k < r->desc.eyes; k++)
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
         rsv_glossy_cells_forget(&r->eye[k].cells, change);
+        rsv_frame_history_forget(&r->eye[k].history, change);
+    }
 }
 
 rsv_status rsv_frame_renderer_resize(rsv_frame_renderer *r, uint32_t width, uint32_t height)
@@ -502,8 +525,10 @@ rsv_status rsv_frame_renderer_resize(rsv_frame_renderer *r, uint32_t width, uint
         return rsv_fail(
             RSV_ERROR_UNSUPPORTED, "frames: those of a device stay as large as they are");
     set_size(r, width, height);
-    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++)
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
         rsv_glossy_cells_resize(&r->eye[k].cells, width, height);
+        rsv_frame_history_resize(&r->eye[k].history, width, height);
+    }
     start_over(r);
     return RSV_OK;
 }
@@ -511,7 +536,7 @@ rsv_status rsv_frame_renderer_resize(rsv_frame_renderer *r, uint32_t width, uint
 void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 {
     if (layer == r->table.layer) return;
-    forget_gloss(r, 1);
+    forget(r, 1);
     rsv_light_table_bake(&r->table, layer);
     if (r->tiling.shine) rsv_fog_shine_refresh(&r->shine, layer);
     rsv_frame_device_refresh(r->device);
@@ -521,6 +546,8 @@ void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 {
     r->mover = mover;
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        rsv_frame_history_forget(&r->eye[k].history, 1);
     start_over(r);
 }
 
@@ -530,7 +557,7 @@ void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
     for (int k = 0; k < r->thread_count; k++)
         rsv_specular_light_refresh(&r->worker[k].queue.light);
     if (r->table.glossy) rsv_glossy_materials_refresh(&r->materials);
-    forget_gloss(r, rsv_light_table_bake(&r->table, r->table.layer));
+    forget(r, rsv_light_table_bake(&r->table, r->table.layer));
     if (r->tiling.shine) rsv_fog_shine_refresh(&r->shine, r->table.layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);
@@ -575,7 +602,7 @@ void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radi
         return;
     }
     for (uint32_t tile = 0; tile < r->tiling.tile_count; tile++) {
-        rsv_tile_shown(&r->eye[eye], tile, shown);
+        rsv_tile_shown(&r->tiling, &r->eye[eye], tile, shown);
         copy_tile(r, tile, (const float(*)[4])shown, radiance);
     }
 }

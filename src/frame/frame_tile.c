@@ -82,6 +82,7 @@ static void begin_paths(const tile *t, uint32_t column, uint32_t row, uint32_t s
         c->pixel[k] = pixel_of(column, row, k);
         c->trail[k] = path_of(t, c->pixel[k]);
         memset(w->radiance[c->pixel[k]], 0, sizeof *w->radiance);
+        w->carried[c->pixel[k]] = 0;
     }
     const rsv_arrival arrival = { p, &w->places[stage], w->left[stage], c };
     rsv_specular_queue_arrive(&w->queue, &arrival, lanes);
@@ -140,6 +141,7 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
         float *radiance = w->radiance[pixel];
         rsv_rgb shown = rgb(radiance[0], radiance[1], radiance[2]);
         if (met >> lane & 1) w->gloss.depth[pixel] = 0;
+        if (met >> lane & 1) w->depth[pixel] = w->body.t_max[lane];
         if (met >> lane & 1)
             shown = rgb_mul(rsv_mover_shown(t->tiling->mover, &w->body, lane),
                 rsv_medium_transmittance(
@@ -244,6 +246,18 @@ static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t st
     }
 }
 
+/// Notes how far away it is what a block's rays met.
+static void note_depths(const rsv_ray_packet *p, float *depth)
+{
+    for (int k = 0; k < RSV_PACKET_WIDTH; k++)
+        depth[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK] = f_min(p->t_max[k], RSV_HISTORY_FAR);
+}
+
+static bool has_history(const tile *t) { return t->eye->history.context != NULL; }
+
+/// Whether rsv_tile_recall is to show the tile: until then, its samples lie where their sum will.
+static bool waits_for_history(const tile *t) { return has_history(t) && t->eye->history.moves; }
+
 static void look_up_block(const tile *t, uint32_t block)
 {
     rsv_tile_worker *w = t->worker;
@@ -259,6 +273,7 @@ static void look_up_block(const tile *t, uint32_t block)
         t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage], width,
             w->glossy[stage], w->radiance + first, (rsv_glossy_block){ &w->gloss, first });
     }
+    if (has_history(t)) note_depths(&w->packet[stage], w->depth + first);
     if (t->tiling->mover) show_mover(t, column, row, stage);
     if (t->tiling->shine)
         follow_in_fog(t, column, row, stage);
@@ -303,7 +318,14 @@ static void begin_gloss(rsv_glossy_tile *g)
     g->count = 0;
 }
 
-void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
+/// A row of a tile as it was shown.
+static float (*history_row(const rsv_frame_history *h, uint32_t column, uint32_t row))[4]
+{
+    return h->shown + rsv_history_place(h, column, row);
+}
+
+/// Mean of the samples of a tile, corrected by what whole paths have found.
+static void find_mean(const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
 {
     const float(*sum)[4] = (const float(*)[4])eye->sum + (size_t)index * RSV_TILE_PIXELS;
     float scale = 1 / (float)(eye->samples ? eye->samples : 1);
@@ -313,11 +335,39 @@ void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t index, float (*radiance
     if (eye->resting && eye->samples > 1) rsv_resting_correct(&eye->resting[index], radiance);
 }
 
+void rsv_tile_shown(
+    const rsv_tiling *tiling, const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
+{
+    const rsv_frame_history *h = &eye->history;
+    uint32_t column = index % tiling->across * RSV_TILE, row = index / tiling->across * RSV_TILE;
+    if (!h->context) {
+        find_mean(eye, index, radiance);
+        return;
+    }
+    for (uint32_t y = 0; y < smaller(h->height - row, RSV_TILE); y++)
+        memcpy(
+            radiance + y * RSV_TILE, history_row(h, column, row + y), RSV_TILE * sizeof *radiance);
+}
+
 static void add_to_sum(const tile *t)
 {
     for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
         for (int c = 0; c < 4; c++)
             t->sum[k][c] += t->worker->radiance[k][c];
+}
+
+/// A row at rest takes the place of the history bit by bit. @param radiance [RSV_TILE] in and out
+static void leave_history(const tile *t, uint32_t line, float (*radiance)[4])
+{
+    const float(*old)[4] =
+        (const float(*)[4])history_row(&t->eye->history, t->column, t->row + line);
+    uint32_t samples = t->eye->samples + 1;
+    for (uint32_t k = 0; k < t->width; k++) {
+        float share = rsv_history_share_at_rest(old[k][3], samples);
+        for (int c = 0; c < 3 && share < 1; c++)
+            radiance[k][c] = old[k][c] + share * (radiance[k][c] - old[k][c]);
+        radiance[k][3] = samples < RSV_HISTORY_SETTLED ? old[k][3] : RSV_HISTORY_FRAMES;
+    }
 }
 
 /// Shows a tile at rest, corrected by what whole paths have found so far.
@@ -334,9 +384,13 @@ static void display_resting(const tile *t, uint32_t index)
     rsv_resting_update(&t->eye->resting[index], w->radiance);
     tone.scale *= (float)(t->eye->samples + 1);
     tone.first = true;
-    for (uint32_t y = 0; y < t->height; y++)
-        t->tiling->kernels->display(
-            &tone, w->radiance + y * RSV_TILE, ignored, t->width, shown_row(t, y));
+    for (uint32_t y = 0; y < t->height; y++) {
+        float(*radiance)[4] = w->radiance + y * RSV_TILE;
+        if (has_history(t)) leave_history(t, y, radiance);
+        t->tiling->kernels->display(&tone, radiance,
+            has_history(t) ? history_row(&t->eye->history, t->column, t->row + y) : ignored,
+            t->width, shown_row(t, y));
+    }
 }
 
 static void display(const tile *t, uint32_t index)
@@ -362,6 +416,16 @@ static void begin_whole(const tile *t, uint32_t index)
     if (!t->tiling->mover) t->worker->whole = &eye->whole[index];
 }
 
+/// Leaves to rsv_tile_recall what the pixels show, and how far away that is.
+static void leave_samples(const tile *t)
+{
+    const rsv_frame_history *h = &t->eye->history;
+    memcpy(t->sum, t->worker->radiance, sizeof t->worker->radiance);
+    for (uint32_t y = 0; y < t->height; y++)
+        memcpy(h->depth + rsv_history_place(h, t->column, t->row + y),
+            t->worker->depth + y * RSV_TILE, RSV_TILE * sizeof *h->depth);
+}
+
 /// Leaves the lobes of a tile to be lit, and what is known without. @return whether there are any
 static bool leave_gloss(const tile *t, uint32_t index)
 {
@@ -372,7 +436,8 @@ static bool leave_gloss(const tile *t, uint32_t index)
     eye->glossy[index] = w->gloss.count > 0;
     if (!eye->glossy[index]) return false;
     t->tiling->kernels->pack_pixels(&w->gloss, &eye->lobes[index]);
-    memcpy(eye->base + (size_t)index * RSV_TILE_PIXELS, w->radiance, sizeof w->radiance);
+    if (!waits_for_history(t))
+        memcpy(eye->base + (size_t)index * RSV_TILE_PIXELS, w->radiance, sizeof w->radiance);
     return true;
 }
 
@@ -389,6 +454,9 @@ void rsv_tile_render(
     w->queue.light.eye = eye->camera.position;
     w->queue.light.parallel = eye->camera.vertical_fov == 0;
     w->queue.shading = &tiling->shading;
+    bool recalled = waits_for_history(&t);
+    w->queue.light.depth = recalled ? w->depth : NULL;
+    w->queue.light.carried = w->carried;
     if (w->queue.light.gloss) begin_gloss(&w->gloss);
     w->queue.spread = eye->spread;
     begin_whole(&t, index);
@@ -396,10 +464,11 @@ void rsv_tile_render(
     double traced = rsv_seconds();
     rsv_specular_queue_run(&w->queue);
     add_fog(&t);
+    if (recalled) leave_samples(&t);
     double followed = rsv_seconds();
     bool waits = eye->lobes && leave_gloss(&t, index);
     double left = rsv_seconds();
-    if (!waits) display(&t, index);
+    if (!waits && !recalled) display(&t, index);
     w->camera_seconds += traced - start;
     w->path_seconds += followed - traced;
     w->gloss_seconds += left - followed;
@@ -414,17 +483,74 @@ void rsv_tile_finish(
     double start = rsv_seconds();
     const rsv_glossy_cells *cells = &eye->cells;
     approach_pixels(&t);
-    memcpy(w->radiance, eye->base + (size_t)index * RSV_TILE_PIXELS, sizeof w->radiance);
+    bool recalled = waits_for_history(&t);
+    float(*radiance)[4] = recalled ? t.sum : w->radiance;
+    if (!recalled)
+        memcpy(radiance, eye->base + (size_t)index * RSV_TILE_PIXELS, sizeof w->radiance);
     for (uint32_t y = 0; y < t.height; y++) {
         size_t cell = cells->first + (size_t)((t.row + y) / 2) * cells->stride + t.column / 2;
         for (uint32_t x = 0; x < t.width; x += RSV_LANES)
-            tiling->kernels->light_pixels(
-                cells, &eye->lobes[index], x, y, cell + x / 2, w->radiance);
+            tiling->kernels->light_pixels(cells, &eye->lobes[index], x, y, cell + x / 2, radiance);
     }
     double lit = rsv_seconds();
-    display(&t, index);
+    if (!recalled) display(&t, index);
     w->gloss_seconds += lit - start;
     w->display_seconds += rsv_seconds() - lit;
+}
+
+/// A pixel of the picture, or the nearest one, in the sums of tiles.
+static const float *sample_at(const tile *t, int column, int row)
+{
+    const rsv_tiling *tiling = t->tiling;
+    column = column < 0 ? 0 : column;
+    row = row < 0 ? 0 : row;
+    return t->eye->sum[rsv_tile_place(tiling, smaller((uint32_t)column, tiling->width - 1),
+        smaller((uint32_t)row, tiling->height - 1))];
+}
+
+static float depth_at(const tile *t, int column, int row)
+{
+    const rsv_frame_history *h = &t->eye->history;
+    column = column < 0 ? 0 : column;
+    row = row < 0 ? 0 : row;
+    return h->depth[rsv_history_place(
+        h, smaller((uint32_t)column, h->width - 1), smaller((uint32_t)row, h->height - 1))];
+}
+
+/// Brings together this frame's samples of a tile and around it.
+static void fill_window(const tile *t, rsv_history_window *w)
+{
+    for (int y = 0; y < RSV_TILE + 2; y++) {
+        int row = (int)t->row + y - 1, column = (int)t->column - 1;
+        bool whole = t->width == RSV_TILE && y >= 1 && y <= (int)t->height;
+        if (whole) {
+            memcpy(w->now[y][1], t->sum + (y - 1) * RSV_TILE, RSV_TILE * sizeof *w->now[y]);
+            memcpy(w->depth[y] + 1,
+                &t->eye->history
+                     .depth[rsv_history_place(&t->eye->history, t->column, (uint32_t)row)],
+                RSV_TILE * sizeof *w->depth[y]);
+        }
+        for (int x = 0; x < RSV_TILE + 2; x += whole ? RSV_TILE + 1 : 1) {
+            memcpy(w->now[y][x], sample_at(t, column + x, row), sizeof w->now[y][x]);
+            w->depth[y][x] = depth_at(t, column + x, row);
+        }
+    }
+}
+
+void rsv_tile_recall(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t index, rsv_tile_worker *w)
+{
+    tile t = tile_at(tiling, eye, index, w);
+    double start = rsv_seconds();
+    approach_pixels(&t);
+    fill_window(&t, &w->window);
+    for (uint32_t y = 0; y < t.height; y++) {
+        uint32_t row = t.row + y;
+        tiling->kernels->recall(&eye->history, &w->window, t.column, row, y, w->radiance);
+        tiling->kernels->display(&eye->tone, w->radiance, history_row(&eye->history, t.column, row),
+            t.width, shown_row(&t, y));
+    }
+    w->display_seconds += rsv_seconds() - start;
 }
 
 void rsv_tile_trace_only(

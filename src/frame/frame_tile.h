@@ -4,6 +4,7 @@
 
 #include "fog_front.h"
 #include "glossy_rays.h"
+#include "history.h"
 #include "resting.h"
 #include "specular_queue.h"
 
@@ -25,7 +26,10 @@ typedef struct rsv_tile_worker {
     rsv_glossy_rays rays;
     rsv_resting_paths *whole; ///< of the tile in hand; NULL = none
     rsv_resting_tile *resting;
-    float depth[RSV_TILE_PIXELS]; ///< where there is fog: metres to what camera rays met
+    float depth
+        [RSV_TILE_PIXELS]; ///< metres to what camera rays met, where fog or the history asks for it
+    float carried[RSV_TILE_PIXELS]; ///< see rsv_specular_light
+    rsv_history_window window;
     double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 
@@ -33,9 +37,10 @@ typedef struct rsv_tile_worker {
 typedef struct rsv_eye_picture {
     float (*base)
         [4]; ///< [tiles][RSV_TILE_PIXELS] radiance of glossy tiles without their lobes; NULL likewise
-    float (*sum)[4];     ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
-    uint8_t (*pixel)[4]; ///< [height * width]
-    uint32_t samples;    ///< in the sums
+    float (*sum)[4];           ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
+    uint8_t (*pixel)[4];       ///< [height * width]
+    uint32_t samples;          ///< in the sums
+    rsv_frame_history history; ///< where lobes are shared, or else empty
     rsv_glossy_cells cells;
     rsv_glossy_pixels *lobes;  ///< [tile_count] of this frame; NULL = paths follow rough lobes
     uint8_t *glossy;           ///< [tile_count] whether a tile has any
@@ -87,10 +92,15 @@ void rsv_tile_render(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 
 /// Mean radiance of all frames, as it is shown. @param radiance [RSV_TILE_PIXELS] out
-void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t tile, float (*radiance)[4]);
+void rsv_tile_shown(
+    const rsv_tiling *tiling, const rsv_eye_picture *eye, uint32_t tile, float (*radiance)[4]);
 
 /// The same for a glossy tile, once all cells have their light.
 void rsv_tile_finish(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
+
+/// Once all tiles have their samples: adds them to what was shown before, and shows it.
+void rsv_tile_recall(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 
 /// Traces the camera rays alone.

@@ -7,6 +7,7 @@
 #include "beam.h"
 #include "clearance.h"
 #include "glossy_cells.h"
+#include "history.h"
 #include "light_table.h"
 #include "specular_lanes.h"
 #include "tone.h"
@@ -146,6 +147,10 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
         uint32_t count, uint8_t (*pixel)[4]);
+    /// Adds a tile's row of samples to the mean of what was shown before. @param column, row of its first pixel
+    /// @param line of the tile @param radiance [RSV_TILE] out; the last channel is the number of frames
+    void (*recall)(const rsv_frame_history *history, const rsv_history_window *window,
+        uint32_t column, uint32_t row, uint32_t line, float (*radiance)[4]);
     /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted. What comes out for other lanes means
     /// nothing.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,

@@ -256,8 +256,9 @@ static void display_row(const rsv_frame_tone *tone, const float (*restrict radia
 #include "beam_kernels_body.h"
 #include "glossy_filter_body.h"
 #include "glossy_kernels_body.h"
+#include "history_kernels_body.h"
 #include "smooth_kernels_body.h"
 
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, gather_beam, meet_packet, approach_packet,
     locate_packet, descend_packet, look_up_packet, shade_glossy_packet, fill_cells, pack_pixels,
-    blend_cells, smooth_cells, light_pixels, display_row, leave_smooth_packet };
+    blend_cells, smooth_cells, light_pixels, display_row, recall_row, leave_smooth_packet };

@@ -40,6 +40,19 @@ static rsv_specular_path path_arrived(const queue *q, const rsv_arrival *a, uint
     return path;
 }
 
+/// Notes how far away it is what the pixel in hand shows, if this is most of it: the image in a mirror, what is behind a pane.
+/// @param distance from the last surface that is in the path's width
+static void note_depth(queue *q, const rsv_arrival *a, uint32_t lane, float distance)
+{
+    rsv_specular_light *light = &q->light;
+    float share = rgb_max(rsv_lane_color(a->paths->throughput, lane));
+    bool counts =
+        q->spread > 0 && a->paths->events[lane] > 0; // widths tell distances, if rays spread
+    if (!light->depth || !counts || !(share > light->carried[light->pixel])) return;
+    light->carried[light->pixel] = share;
+    light->depth[light->pixel] = distance + a->paths->width[lane] / q->spread;
+}
+
 // ---- branches -----------------------------------------------------------------------------------
 
 /// Queues a branch that leaves the surface of a lane.
@@ -127,6 +140,7 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_specular_bsdf(q->light.scene, path, &storage);
     rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
+    note_depth(q, a, lane, 0);
     bool first = path->events == 0 && path->medium.depth == 0;
     bool diffuses = !rgb_is_black(s->branches.diffuse);
     rsv_add_emission(&q->light, path, bsdf, throughput);
@@ -217,6 +231,7 @@ static void see_sky(queue *q, const rsv_arrival *a, uint32_t lanes)
         uint32_t k = first_of(lanes);
         const rsv_ray_packet *p = a->rays;
         turn_to(q, a->paths, k);
+        note_depth(q, a, k, RSV_HISTORY_FAR);
         rsv_add_sky(&q->light, v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
             rsv_lane_color(a->paths->throughput, k));
     }
@@ -227,6 +242,7 @@ static void see_stored(queue *q, const rsv_arrival *a, uint32_t lanes)
     for (; lanes; lanes &= lanes - 1) {
         uint32_t k = first_of(lanes);
         turn_to(q, a->paths, k);
+        note_depth(q, a, k, a->rays->t_max[k]);
         rsv_add_stored(&q->light, rsv_lane_color(a->paths->throughput, k), a->rays, a->places, k);
     }
 }
@@ -278,6 +294,7 @@ static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
         const rsv_glossy_tile *g = q->lobes;
         rsv_rgb throughput = rsv_lane_color(a->paths->throughput, k);
         turn_to(q, a->paths, k);
+        note_depth(q, a, k, 0);
         bool lit = g->depth[place] > 0; // or else the lobe is in it already
         if (lit && leave_lobe(q, a, k, place, throughput)) lit = false;
         float share = lit ? 1.0f : 0.0f;

@@ -21,7 +21,9 @@ typedef struct rsv_specular_light {
         *gloss;    ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
     rsv_vec3 eye;  ///< of the camera
     bool parallel; ///< it is orthographic
-    float (*radiance)[4];  ///< of pixels
+    float (*radiance)[4]; ///< of pixels
+    float *depth;   ///< metres along the path to what pixels show most of; NULL = not asked for
+    float *carried; ///< its share
     uint32_t pixel, trail; ///< of the specular path in hand; trail as in camera_path.h
 } rsv_specular_light;
 

@@ -31,9 +31,22 @@ void rsv_assimp_name(const struct aiString *source, const char *fallback, char *
 /// The number that metadata holds under `key`, or `fallback`.
 double rsv_assimp_number(const struct aiMetadata *metadata, const char *key, double fallback);
 
+/// By whose rules materials of a file are to be understood.
+typedef struct rsv_assimp_maker {
+    rsv_file_kind kind;
+    /// Above 0: Blender wrote the file; roughness is 1 - sqrt(shininess / this), colours and textures those of its Principled BSDF.
+    float blender_shininess;
+    bool
+        blender_collada; ///< Blender wrote the file, in which the reflectivity is how metallic a material is
+} rsv_assimp_maker;
+
+/// @param file what was imported from `path`
+rsv_assimp_maker rsv_assimp_maker_of(
+    const rsv_file_source *files, const char *path, rsv_file_kind kind, const struct aiScene *file);
+
 /// What a material of the file becomes; says in a warning what of it gets lost.
 /// @param name [RSV_NAME_BYTES] storage for material->name
-void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
+void rsv_assimp_material(const rsv_context *context, const rsv_assimp_maker *maker,
     const struct aiMaterial *source, char *name, rsv_material *material);
 
 #endif

@@ -5,6 +5,8 @@
 
 #include "../core/vec.h"
 #include "../scene/punctual.h"
+#include "fbx_scan.h"
+#include "file_source.h"
 #include "light_units.h"
 
 #include <stdio.h>
@@ -31,11 +33,25 @@ static const char *generator_of(const struct aiScene *file)
     return "";
 }
 
-/// Whether the file was written by a Blender whose lights have watts.
-static bool has_watts(const struct aiScene *file)
+bool rsv_assimp_by_blender(const struct aiScene *file)
 {
     int version = rsv_blender_version(generator_of(file));
     return version == 0 || version >= FIRST_WITH_WATTS;
+}
+
+static rsv_status warn_of_shifted_films(
+    rsv_context *context, const rsv_file_source *files, const char *path)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    rsv_status status = rsv_file_read(context, files, path, &bytes, &size);
+    if (status == RSV_OK && rsv_fbx_shifts_film(bytes, size))
+        rsv_log(context, RSV_LOG_WARNING,
+            "%s: the shift of a camera's film is left out; --shift-x and --shift-y of 'render' "
+            "bring it back",
+            path);
+    rsv_free(context, bytes);
+    return status;
 }
 
 rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *reading,
@@ -45,7 +61,7 @@ rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *read
     const char *path = reading->path;
     *facts = (rsv_assimp_facts){ .kind = kind,
         .metres_per_unit = reading->metres_per_unit,
-        .watts = has_watts(file),
+        .watts = rsv_assimp_by_blender(file),
         .photometric = reading->light_units == RSV_LIGHT_UNITS_PHOTOMETRIC };
     bool needed = file->mNumLights + file->mNumCameras > 0;
     if (file->mNumLights && facts->watts && reading->light_units == RSV_LIGHT_UNITS_AUTO)
@@ -55,7 +71,7 @@ rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *read
     if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
     facts->has_decay = file->mNumLights && rsv_file_mentions(reading->files, path, "DecayType");
     facts->has_fov = file->mNumCameras && rsv_file_mentions(reading->files, path, "FieldOfView");
-    return RSV_OK;
+    return file->mNumCameras ? warn_of_shifted_films(context, reading->files, path) : RSV_OK;
 }
 
 void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts)
@@ -236,6 +252,21 @@ static void take_fov(const rsv_context *context, const rsv_assimp_facts *facts,
     }
 }
 
+/// Cameras have no shifted films here, pictures have.
+static void warn_of_shift(
+    const rsv_context *context, const rsv_collada_object *text, const rsv_camera *camera)
+{
+    double x = said(text, RSV_COLLADA_SHIFT_X), y = said(text, RSV_COLLADA_SHIFT_Y);
+    double aspect = camera->aspect > 0 ? (double)camera->aspect : 1;
+    x = isfinite(x) ? x : 0;
+    y = isfinite(y) ? y : 0;
+    if (x == 0 && y == 0) return;
+    rsv_log(context, RSV_LOG_WARNING,
+        "camera '%s': the shift of its film is left out; --shift-x %.4g --shift-y %.4g of 'render' "
+        "bring it back",
+        camera->name, aspect < 1 ? x / aspect : x, aspect < 1 ? y : y * aspect);
+}
+
 rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts *facts,
     const struct aiCamera *source, size_t order, const double world[16], rsv_camera *camera)
 {
@@ -254,7 +285,10 @@ rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts 
     }
     const rsv_collada_object *text =
         rsv_collada_find(&facts->collada, RSV_COLLADA_CAMERA, source->mName.data, order);
-    if (text && take_projection(text, facts->metres_per_unit, camera)) return RSV_OK;
+    if (text && take_projection(text, facts->metres_per_unit, camera)) {
+        warn_of_shift(context, text, camera);
+        return RSV_OK;
+    }
     if (!text) { // named in a way of its own by the importer
         take_fov(context, facts, source, camera);
         return RSV_OK;

@@ -25,6 +25,9 @@ typedef struct rsv_assimp_reading {
     double metres_per_unit; ///< of its coordinates
 } rsv_assimp_reading;
 
+/// Whether the file was written by a Blender whose lights have watts, and whose materials are those of the Principled BSDF.
+bool rsv_assimp_by_blender(const struct aiScene *file);
+
 /// Says in a note what strengths of lights mean where the file does.
 rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *reading,
     const struct aiScene *file, rsv_assimp_facts *facts);

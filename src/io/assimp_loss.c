@@ -1,5 +1,7 @@
 #include "assimp_loss.h"
 
+#include "assimp_light.h"
+
 #include <assimp/material.h>
 #include <ctype.h>
 #include <math.h>
@@ -94,11 +96,14 @@ static void warn_of_properties(
     const rsv_context *context, const char *path, const struct aiScene *file)
 {
     name_list list = { .count = 0 };
+    const bool by_blender = rsv_assimp_by_blender(file);
     for (unsigned i = 0; i < file->mNumMaterials; i++) {
         const struct aiMaterial *material = file->mMaterials[i];
         for (unsigned k = 0; k < material->mNumProperties; k++) {
             const struct aiMaterialProperty *property = material->mProperties[k];
-            if (is_known(property->mKey.data) || is_idle(property)) continue;
+            // what Blender reflects are its metals (assimp_material.c)
+            bool metal = by_blender && strstr(property->mKey.data, ".reflectiv");
+            if (is_known(property->mKey.data) || is_idle(property) || metal) continue;
             add_name(&list, property->mKey.data);
         }
     }

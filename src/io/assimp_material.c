@@ -7,12 +7,20 @@
 #include "assimp_file.h"
 
 #include "../core/vec.h"
+#include "assimp_light.h"
+#include "file_source.h"
+#include "light_units.h"
+#include "phong.h"
 
 #include <assimp/material.h>
 #include <string.h>
 
-#define SHARPEST_SHININESS 1000      ///< end of the scale in .mtl files: an ideal mirror
 #define KEY_ILLUM "$mat.illum", 0, 0 ///< given by newer versions alone
+
+// Blender's exporters of .obj, in C++ since 3.1 and in Python before, and of .fbx
+#define SHININESS_OF_OBJ 1000
+#define SHININESS_OF_OLD_OBJ 900
+#define SHININESS_OF_FBX 100
 
 /// The terms of a Phong material.
 typedef struct phong {
@@ -88,12 +96,6 @@ static phong read_phong(const struct aiMaterial *source, rsv_file_kind kind)
     return p;
 }
 
-/// alpha^2 = 2 / (n + 2) matches the width of Blinn's lobe (Walter et al. 2007); alpha = roughness^2.
-static float roughness_of(float shininess)
-{
-    return shininess >= SHARPEST_SHININESS ? 0 : powf(2 / (shininess + 2), 0.25f);
-}
-
 /// `color` divided by its largest channel; white if it is black.
 static rsv_rgb hue_of(rsv_rgb color)
 {
@@ -126,7 +128,7 @@ static void become_plastic(const phong *p, rsv_material *material)
 {
     material->specular = f_min(rgb_max(p->specular), 1);
     material->specular_color = hue_of(p->specular);
-    material->roughness = roughness_of(p->shininess);
+    material->roughness = rsv_roughness_of_shininess(p->shininess);
     material->ior = p->ior > 1 ? p->ior : 1.5f;
 }
 
@@ -163,6 +165,80 @@ static void take_metallic_roughness(const struct aiMaterial *source, rsv_materia
     material->sheen_roughness = read_float(source, AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, 0);
 }
 
+// ---- Blender ----------------------------------------------------------------------------------------
+
+/// By the first line; "v" stands before the version in files of the exporter in Python.
+static float shininess_of_obj(const rsv_file_source *files, const char *path)
+{
+    char line[128] = "";
+    FILE *file = rsv_file_open(files, path);
+    if (!file) return 0;
+    if (!fgets(line, sizeof line, file)) line[0] = '\0';
+    fclose(file);
+    if (strncmp(line, "# Blender ", 10) != 0) return 0;
+    return line[10] == 'v' ? SHININESS_OF_OLD_OBJ : SHININESS_OF_OBJ;
+}
+
+rsv_assimp_maker rsv_assimp_maker_of(
+    const rsv_file_source *files, const char *path, rsv_file_kind kind, const struct aiScene *file)
+{
+    rsv_assimp_maker maker = { .kind = kind };
+    if (kind == RSV_FILE_OBJ) maker.blender_shininess = shininess_of_obj(files, path);
+    bool by_blender = kind != RSV_FILE_OBJ && rsv_assimp_by_blender(file);
+    if (kind == RSV_FILE_FBX && by_blender) maker.blender_shininess = SHININESS_OF_FBX;
+    maker.blender_collada = kind == RSV_FILE_COLLADA && by_blender;
+    return maker;
+}
+
+/// How much of Blender's `metallic` a file says. In .mtl it is the ambient colour of surfaces that reflect.
+static float blender_metallic(const struct aiMaterial *source, rsv_file_kind kind)
+{
+    if (kind != RSV_FILE_OBJ) return read_float(source, AI_MATKEY_REFLECTIVITY, 0);
+    int illum = read_int(source, KEY_ILLUM, -1);
+    bool reflects = illum == 3 || illum == 6;
+    float ambient = rgb_max(read_color(source, AI_MATKEY_COLOR_AMBIENT, rgb_gray(1)));
+    return reflects ? ambient : 0;
+}
+
+/// The exporters write the sockets of a Principled BSDF in Phong's terms. 8 % of `specular` is the reflectance of its dielectric.
+static void take_blender(
+    const struct aiMaterial *source, const rsv_assimp_maker *maker, rsv_material *material)
+{
+    bool is_obj = maker->kind == RSV_FILE_OBJ;
+    float shininess = read_float(source, AI_MATKEY_SHININESS, 0) / maker->blender_shininess;
+    float specular = is_obj ? rgb_max(read_color(source, AI_MATKEY_COLOR_SPECULAR, rgb_gray(0.5f)))
+                            : 2 * read_float(source, AI_MATKEY_SHININESS_STRENGTH, 0.25f);
+    float root = sqrtf(0.08f * f_min(f_max(specular, 0), 1));
+    material->base_color = read_color(source, AI_MATKEY_COLOR_DIFFUSE, rgb_gray(0.8f));
+    material->roughness = 1 - sqrtf(f_min(f_max(shininess, 0), 1));
+    material->metallic = f_min(f_max(blender_metallic(source, maker->kind), 0), 1);
+    material->specular = root > 0 ? 1 : 0;
+    if (root > 0) material->ior = (1 + root) / (1 - root);
+    material->opacity = read_float(source, AI_MATKEY_OPACITY, 1);
+}
+
+/// Blender's COLLADA has <lambert> for all materials, without their roughness.
+static void take_blender_collada(
+    const rsv_context *context, const struct aiMaterial *source, rsv_material *material)
+{
+    float metallic = f_min(f_max(read_float(source, AI_MATKEY_REFLECTIVITY, 0), 0), 1);
+    take_phong(source, RSV_FILE_COLLADA, material);
+    if (metallic == 0) return;
+    material->metallic = metallic;
+    material->roughness = 0.5f;
+    rsv_log(context, RSV_LOG_WARNING,
+        "material '%s': how rough the metal is does not stand in the file; 0.5 is used",
+        material->name);
+}
+
+/// Whether a file states metal and roughness as such. The importer of .fbx makes a roughness of every shininess.
+static bool is_metallic_roughness(const struct aiMaterial *source, rsv_file_kind kind)
+{
+    bool made = kind == RSV_FILE_FBX && has_float(source, AI_MATKEY_SHININESS);
+    return has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
+           (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR) && !made);
+}
+
 static void warn_of_losses(const rsv_context *context, const rsv_material *material)
 {
     if (material->metallic > 0 && material->metallic < 1)
@@ -170,7 +246,7 @@ static void warn_of_losses(const rsv_context *context, const rsv_material *mater
             "material '%s': its mirror reflection takes on the diffuse colour", material->name);
 }
 
-void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
+void rsv_assimp_material(const rsv_context *context, const rsv_assimp_maker *maker,
     const struct aiMaterial *source, char *name, rsv_material *material)
 {
     struct aiString given = { .length = 0 };
@@ -178,12 +254,16 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     if (aiGetMaterialString(source, AI_MATKEY_NAME, &given) != aiReturn_SUCCESS) given.length = 0;
     rsv_assimp_name(&given, "unnamed", name);
     material->name = name;
-    if (has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
-        has_float(source, AI_MATKEY_ROUGHNESS_FACTOR))
+    if (is_metallic_roughness(source, maker->kind))
         take_metallic_roughness(source, material);
+    else if (maker->blender_shininess > 0)
+        take_blender(source, maker, material);
+    else if (maker->blender_collada)
+        take_blender_collada(context, source, material);
     else
-        take_phong(source, kind, material);
+        take_phong(source, maker->kind, material);
     rsv_rgb emission = read_color(source, AI_MATKEY_COLOR_EMISSIVE, rgb_gray(0));
     material->emission = rgb_scale(emission, read_float(source, AI_MATKEY_EMISSIVE_INTENSITY, 1));
-    warn_of_losses(context, material);
+    if (!(maker->blender_shininess > 0) && !maker->blender_collada)
+        warn_of_losses(context, material);
 }

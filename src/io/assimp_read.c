@@ -168,17 +168,18 @@ static bool shows_both_sides(const rsv_material *material)
     return rgb_is_black(material->emission) && material->thickness == 0;
 }
 
-static rsv_status add_materials(const reader *r)
+static rsv_status add_materials(const reader *r, const char *path)
 {
     rsv_status status = RSV_OK;
+    const rsv_assimp_maker maker = rsv_assimp_maker_of(r->desc->files, path, r->kind, r->file);
     rsv_assimp_textures textures = {
-        .context = r->context, .file = r->file, .kind = r->kind, .to = r->to
+        .context = r->context, .file = r->file, .maker = maker, .to = r->to
     };
     for (unsigned i = 0; i < r->file->mNumMaterials; i++) {
         char name[RSV_NAME_BYTES];
         rsv_material material;
         rsv_texture_ref ref[RSV_ASSIMP_MOST_TEXTURES];
-        rsv_assimp_material(r->context, r->kind, r->file->mMaterials[i], name, &material);
+        rsv_assimp_material(r->context, &maker, r->file->mMaterials[i], name, &material);
         RSV_TRY(rsv_assimp_take_textures(&textures, r->file->mMaterials[i], ref, &material));
         material.double_sided = shows_both_sides(&material);
         // as the exporter of glTF, those of Blender leave emission alone
@@ -469,7 +470,7 @@ rsv_status rsv_assimp_convert(
     const rsv_assimp_reading reading = { desc->files, path, kind, desc->light_units, fabs(unit) };
     RSV_TRY(rsv_assimp_learn(context, &reading, r.file, &r.facts));
     RSV_TRY(allocate(&r));
-    RSV_TRY(add_materials(&r));
+    RSV_TRY(add_materials(&r, path));
     RSV_TRY(add_meshes(&r));
     if (r.lights.count + r.cameras.count) RSV_TRY(walk_nodes(&r, root, true));
     RSV_TRY(walk_nodes(&r, root, false));

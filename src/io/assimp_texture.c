@@ -2,28 +2,91 @@
 
 #include "../core/vec.h"
 
+#include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/// Which materials a slot is for.
+enum { OF_ANY, OF_PHONG = 1, OF_BLENDER = 2, OF_METALLIC = 4 };
+
 /// What a kind of texture becomes.
 typedef struct slot {
     enum aiTextureType type;
     rsv_texture_role role;
-    bool srgb, grey_is_alpha;
+    bool srgb;
+    rsv_texture_use use;
+    unsigned of; ///< OF_ANY, or which
 } slot;
 
-/// The first that a material has counts for its role.
+/// The first that a material has counts for its role and use. Blender writes roughness and metal where Phong has others.
 static const slot slots[] = {
-    { aiTextureType_BASE_COLOR, RSV_TEXTURE_BASE_COLOR, true, false },
-    { aiTextureType_DIFFUSE, RSV_TEXTURE_BASE_COLOR, true, false },
-    { aiTextureType_OPACITY, RSV_TEXTURE_OPACITY, true, true },
-    { aiTextureType_NORMALS, RSV_TEXTURE_NORMAL, false, false },
-    { aiTextureType_NORMAL_CAMERA, RSV_TEXTURE_NORMAL, false, false },
-    { aiTextureType_EMISSION_COLOR, RSV_TEXTURE_EMISSION, true, false },
-    { aiTextureType_EMISSIVE, RSV_TEXTURE_EMISSION, true, false },
+    { aiTextureType_BASE_COLOR, RSV_TEXTURE_BASE_COLOR, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_DIFFUSE, RSV_TEXTURE_BASE_COLOR, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_OPACITY, RSV_TEXTURE_OPACITY, true, RSV_TEXTURE_GREY_IS_ALPHA, OF_ANY },
+    { aiTextureType_NORMALS, RSV_TEXTURE_NORMAL, false, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_NORMAL_CAMERA, RSV_TEXTURE_NORMAL, false, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_HEIGHT, RSV_TEXTURE_NORMAL, false, RSV_TEXTURE_ARE_NORMALS, OF_ANY },
+    { aiTextureType_EMISSION_COLOR, RSV_TEXTURE_EMISSION, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_EMISSIVE, RSV_TEXTURE_EMISSION, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
+    { aiTextureType_DIFFUSE_ROUGHNESS, RSV_TEXTURE_METALLIC_ROUGHNESS, false,
+        RSV_TEXTURE_GREY_IS_GREEN, OF_ANY },
+    { aiTextureType_SHININESS, RSV_TEXTURE_METALLIC_ROUGHNESS, false, RSV_TEXTURE_GREY_IS_GREEN,
+        OF_PHONG | OF_BLENDER },
+    { aiTextureType_METALNESS, RSV_TEXTURE_METALLIC_ROUGHNESS, false, RSV_TEXTURE_GREY_IS_BLUE,
+        OF_METALLIC | OF_BLENDER },
+    { aiTextureType_SPECULAR, RSV_TEXTURE_SPECULAR_COLOR, true, RSV_TEXTURE_AS_IT_IS,
+        OF_PHONG | OF_BLENDER },
 };
+
+/// What is known of a material whose textures are looked for.
+typedef struct painted {
+    const rsv_assimp_maker *maker;
+    const struct aiMaterial *source;
+    const char *name;
+    bool is_phong; ///< by .mtl, of which the exponent is known
+    bool is_metallic;
+    bool is_packed; ///< roughness and metal are channels of one picture, as in glTF
+} painted;
+
+static bool has_number(const struct aiMaterial *source, const char *key)
+{
+    const struct aiMaterialProperty *property;
+    return aiGetMaterialProperty(source, key, 0, 0, &property) == aiReturn_SUCCESS;
+}
+
+static bool has_same_picture(
+    const struct aiMaterial *source, enum aiTextureType a, enum aiTextureType b)
+{
+    struct aiString path[2];
+    return aiGetMaterialString(source, AI_MATKEY_TEXTURE(a, 0), &path[0]) == aiReturn_SUCCESS &&
+           aiGetMaterialString(source, AI_MATKEY_TEXTURE(b, 0), &path[1]) == aiReturn_SUCCESS &&
+           strcmp(path[0].data, path[1].data) == 0;
+}
+
+static painted describe_material(
+    const rsv_assimp_maker *maker, const struct aiMaterial *source, const char *name)
+{
+    bool is_obj = maker->kind == RSV_FILE_OBJ, by_blender = maker->blender_shininess > 0;
+    bool stated = has_number(source, "$mat.metallicFactor") ||
+                  (is_obj && has_number(source, "$mat.roughnessFactor"));
+    bool mapped = aiGetMaterialTextureCount(source, aiTextureType_DIFFUSE_ROUGHNESS) > 0;
+    return (painted){ .maker = maker,
+        .source = source,
+        .name = name,
+        .is_phong = is_obj && !stated && !by_blender,
+        .is_metallic = stated || mapped || is_obj,
+        .is_packed =
+            has_same_picture(source, aiTextureType_DIFFUSE_ROUGHNESS, aiTextureType_METALNESS) };
+}
+
+static bool is_meant(const painted *p, const slot *s)
+{
+    bool by_blender = p->maker->blender_shininess > 0;
+    return s->of == OF_ANY || (s->of & OF_PHONG && p->is_phong) ||
+           (s->of & OF_METALLIC && p->is_metallic) || (s->of & OF_BLENDER && by_blender);
+}
 
 // ---- what is sent -----------------------------------------------------------------------------------
 
@@ -36,8 +99,9 @@ static rsv_wrap wrap_of(enum aiTextureMapMode mode)
 
 static bool is_same(const rsv_part_texture *a, const rsv_part_texture *b)
 {
-    return a->srgb == b->srgb && a->shines == b->shines && a->grey_is_alpha == b->grey_is_alpha &&
-           a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v && strcmp(a->name, b->name) == 0;
+    return a->srgb == b->srgb && a->shines == b->shines && a->use == b->use &&
+           a->shininess == b->shininess && a->wrap_u == b->wrap_u && a->wrap_v == b->wrap_v &&
+           strcmp(a->name, b->name) == 0;
 }
 
 /// Bytes of a texture within the file: "*3", or under the name of a file. Those that are not packed have none.
@@ -105,16 +169,40 @@ static void set_transform(const struct aiMaterial *source, const slot *s, rsv_te
     memcpy(ref->transform, m, sizeof m);
 }
 
+/// Of a texture that says how shiny a Phong material is.
+static float shininess_of(const painted *p, const slot *s)
+{
+    float value = 0;
+    unsigned one = 1;
+    if (s->type != aiTextureType_SHININESS || !p->is_phong) return 0;
+    if (aiGetMaterialFloatArray(p->source, AI_MATKEY_SHININESS, &value, &one) != aiReturn_SUCCESS)
+        return 0;
+    return value > 0 && isfinite(value) ? value : 0;
+}
+
+/// How strongly .mtl wants bumps; others do not say it, or not in numbers that the importer hands on.
+static float bump_scale(const painted *p, const slot *s)
+{
+    float value = 1;
+    unsigned one = 1;
+    if (s->type != aiTextureType_HEIGHT || p->maker->kind != RSV_FILE_OBJ) return 1;
+    if (aiGetMaterialFloatArray(p->source, AI_MATKEY_OBJ_BUMPMULT_HEIGHT(0), &value, &one) !=
+            aiReturn_SUCCESS ||
+        !isfinite(value) || value == 0)
+        return 1;
+    return value;
+}
+
 /// @return false = the material has none of that kind that can be used
-static bool describe(const rsv_assimp_textures *t, const struct aiMaterial *source, const slot *s,
+static bool describe(const rsv_assimp_textures *t, const painted *p, const slot *s,
     char name[RSV_PART_PATH_BYTES], rsv_part_texture *texture, rsv_texture_ref *ref)
 {
     struct aiString path = { .length = 0 };
     enum aiTextureMapping mapping = aiTextureMapping_UV;
     enum aiTextureMapMode mode[2] = { aiTextureMapMode_Wrap, aiTextureMapMode_Wrap };
     unsigned set = 0;
-    if (aiGetMaterialTexture(source, s->type, 0, &path, &mapping, &set, NULL, NULL, mode, NULL) !=
-            aiReturn_SUCCESS ||
+    if (aiGetMaterialTexture(p->source, s->type, 0, &path, &mapping, &set, NULL, NULL, mode,
+            NULL) != aiReturn_SUCCESS ||
         path.length == 0)
         return false;
     snprintf(name, RSV_PART_PATH_BYTES, "%s", path.data);
@@ -124,30 +212,52 @@ static bool describe(const rsv_assimp_textures *t, const struct aiMaterial *sour
             name);
         return false;
     }
+    bool packed = p->is_packed && s->role == RSV_TEXTURE_METALLIC_ROUGHNESS;
     *texture = (rsv_part_texture){ .name = name,
         .srgb = s->srgb,
         .shines = s->role == RSV_TEXTURE_EMISSION,
-        .grey_is_alpha = s->grey_is_alpha,
+        .use = packed ? RSV_TEXTURE_AS_IT_IS : s->use,
+        .shininess = shininess_of(p, s),
         .wrap_u = wrap_of(mode[0]),
         .wrap_v = wrap_of(mode[1]) };
     *ref = rsv_default_texture_ref(s->role, 0);
     ref->uv_set = set;
-    set_transform(source, s, ref);
+    ref->scale = bump_scale(p, s);
+    set_transform(p->source, s, ref);
     return true;
 }
 
-static bool has_role(const rsv_material *material, rsv_texture_role role)
+/// Whether what a slot tells was told by one before.
+static bool is_told(const bool *taken, size_t index, bool packed)
 {
-    for (size_t k = 0; k < material->texture_count; k++)
-        if (material->textures[k].role == role) return true;
+    const slot *s = &slots[index];
+    for (size_t k = 0; k < index; k++)
+        if (taken[k] && slots[k].role == s->role &&
+            (s->role != RSV_TEXTURE_METALLIC_ROUGHNESS || packed || slots[k].use == s->use))
+            return true;
     return false;
 }
 
-/// In FBX and COLLADA a texture stands in place of a colour; in .mtl it multiplies it, and emission of none is meant to show it.
-static void make_white(rsv_file_kind kind, rsv_texture_role role, float strength, rsv_material *m)
+/// In .mtl a texture multiplies what stands beside it, and emission of none is meant to show it. Elsewhere, and in all that
+/// Blender writes, it stands in its place.
+static void make_white(
+    const rsv_assimp_maker *maker, const slot *s, const rsv_part_texture *texture, rsv_material *m)
 {
-    if (role == RSV_TEXTURE_BASE_COLOR && kind != RSV_FILE_OBJ) m->base_color = rgb_gray(1);
-    if (role != RSV_TEXTURE_EMISSION) return;
+    bool multiplies = maker->kind == RSV_FILE_OBJ;
+    bool replaces = !multiplies || maker->blender_shininess > 0;
+    bool is_metal = s->role == RSV_TEXTURE_METALLIC_ROUGHNESS;
+    if (s->role == RSV_TEXTURE_BASE_COLOR && !multiplies) m->base_color = rgb_gray(1);
+    if (s->role == RSV_TEXTURE_SPECULAR_COLOR && !multiplies) m->specular_color = rgb_gray(1);
+    if (is_metal && (replaces || texture->shininess > 0)) {
+        if (s->use == RSV_TEXTURE_GREY_IS_GREEN) m->roughness = 1;
+        if (s->use == RSV_TEXTURE_GREY_IS_BLUE) m->metallic = 1;
+        if (texture->use == RSV_TEXTURE_AS_IT_IS) m->roughness = m->metallic = 1;
+    }
+}
+
+/// `strength` is what FBX multiplies an emission texture by.
+static void make_shine(rsv_file_kind kind, float strength, rsv_material *m)
+{
     if (kind != RSV_FILE_OBJ || rgb_is_black(m->emission)) m->emission = rgb_gray(strength);
 }
 
@@ -169,49 +279,58 @@ static const char *name_of_type(int type)
     return known ? names[type] : "other";
 }
 
-static bool is_slot(int type)
+static bool is_used(const painted *p, int type)
 {
     for (size_t k = 0; k < sizeof slots / sizeof *slots; k++)
-        if ((int)slots[k].type == type) return true;
+        if ((int)slots[k].type == type && is_meant(p, &slots[k])) return true;
     return false;
 }
 
-static void warn_of_unused(
-    const rsv_context *context, const struct aiMaterial *source, const char *material)
+static void warn_of_unused(const rsv_context *context, const painted *p)
 {
     char list[256] = "";
     for (int type = aiTextureType_DIFFUSE; type <= AI_TEXTURE_TYPE_MAX; type++) {
-        if (is_slot(type) || !aiGetMaterialTextureCount(source, (enum aiTextureType)type)) continue;
+        if (is_used(p, type) || !aiGetMaterialTextureCount(p->source, (enum aiTextureType)type))
+            continue;
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", name_of_type(type));
     }
     if (*list)
-        rsv_log(context, RSV_LOG_WARNING, "material '%s': textures that are not used: %s", material,
+        rsv_log(context, RSV_LOG_WARNING, "material '%s': textures that are not used: %s", p->name,
             list);
+}
+
+static float emission_strength(const struct aiMaterial *source)
+{
+    float strength = 1;
+    unsigned one = 1;
+    bool known = aiGetMaterialFloatArray(source, AI_MATKEY_EMISSIVE_INTENSITY, &strength, &one) ==
+                 aiReturn_SUCCESS;
+    return known && strength > 0 ? strength : 1;
 }
 
 rsv_status rsv_assimp_take_textures(rsv_assimp_textures *t, const struct aiMaterial *source,
     rsv_texture_ref ref[RSV_ASSIMP_MOST_TEXTURES], rsv_material *material)
 {
     rsv_status status = RSV_OK;
-    float strength = 1;
-    unsigned one = 1;
-    if (aiGetMaterialFloatArray(source, AI_MATKEY_EMISSIVE_INTENSITY, &strength, &one) !=
-            aiReturn_SUCCESS ||
-        !(strength > 0))
-        strength = 1;
+    bool taken[sizeof slots / sizeof *slots] = { false };
+    const painted p = describe_material(&t->maker, source, material->name);
     material->textures = ref;
     for (size_t k = 0; k < sizeof slots / sizeof *slots; k++) {
         char name[RSV_PART_PATH_BYTES];
         rsv_part_texture texture;
         rsv_texture_ref *use = &ref[material->texture_count];
-        if (has_role(material, slots[k].role)) continue;
-        if (!describe(t, source, &slots[k], name, &texture, use)) continue;
+        if (!is_meant(&p, &slots[k]) || is_told(taken, k, p.is_packed)) continue;
+        if (material->texture_count == RSV_ASSIMP_MOST_TEXTURES) continue;
+        if (!describe(t, &p, &slots[k], name, &texture, use)) continue;
         RSV_TRY(send_texture(t, texture, &use->texture));
         material->texture_count++;
-        make_white(t->kind, slots[k].role, strength, material);
+        taken[k] = true;
+        make_white(&t->maker, &slots[k], &texture, material);
+        if (slots[k].role == RSV_TEXTURE_EMISSION)
+            make_shine(t->maker.kind, emission_strength(source), material);
     }
-    warn_of_unused(t->context, source, material->name);
+    warn_of_unused(t->context, &p);
 cleanup:
     return status;
 }

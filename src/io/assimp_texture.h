@@ -5,13 +5,13 @@
 #include "assimp_file.h"
 #include "scene_parts.h"
 
-#define RSV_ASSIMP_MOST_TEXTURES 4 ///< of a material: as many as there are roles here
+#define RSV_ASSIMP_MOST_TEXTURES 8 ///< of a material: as many as there are roles here, or more
 
 /// Those that were sent so far: each once, however many materials use it.
 typedef struct rsv_assimp_textures {
     rsv_context *context;
     const struct aiScene *file;
-    rsv_file_kind kind;
+    rsv_assimp_maker maker;
     FILE *to;
     rsv_part_texture *sent; ///< [count], their names owned
     size_t count, capacity;

@@ -160,7 +160,8 @@ static rsv_status add_instance(scanner *s, const tag *t, rsv_collada_kind kind)
 static void take_value(const scanner *s, const tag *t)
 {
     static const char *const names[RSV_COLLADA_VALUE_COUNT] = { "xfov", "yfov", "aspect_ratio",
-        "xmag", "ymag", "falloff_angle", "falloff_exponent", "outer_cone", "penumbra_angle" };
+        "xmag", "ymag", "falloff_angle", "falloff_exponent", "outer_cone", "penumbra_angle",
+        "shiftx", "shifty" };
     for (int k = 0; k < RSV_COLLADA_VALUE_COUNT; k++) {
         if (!is_named(t, names[k])) continue;
         char *end = NULL;

@@ -21,6 +21,8 @@ typedef enum rsv_collada_value {
     RSV_COLLADA_FALLOFF_EXPONENT,
     RSV_COLLADA_OUTER_CONE, ///< degrees; of some exporters, as the next
     RSV_COLLADA_PENUMBRA,
+    RSV_COLLADA_SHIFT_X, ///< of Blender's film, parts of its longer side
+    RSV_COLLADA_SHIFT_Y,
     RSV_COLLADA_VALUE_COUNT
 } rsv_collada_value;
 

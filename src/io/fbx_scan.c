@@ -1,5 +1,6 @@
 #include "fbx_scan.h"
 
+#include "../core/number_text.h"
 #include "file_source.h"
 
 #include <stdbool.h>
@@ -60,6 +61,46 @@ static size_t change_all(char *bytes, size_t size, const odd_property *p)
         count += *at == 'S' ? change_binary(at, end, p) : *at == '"' && change_text(at + 1, end, p);
     }
     return count;
+}
+
+/// The number of a property whose name ends at `at`: behind type, label and flags, as 'D' and its eight bytes. 0 = there is none
+static double binary_number(const char *at, const char *end)
+{
+    double value = 0;
+    for (int k = 0; k < 3; k++) {
+        if (end - at < 5 || *at != 'S') return 0;
+        size_t length = 0;
+        for (int i = 4; i > 0; i--)
+            length = length << 8 | (unsigned char)at[i];
+        if (length > (size_t)(end - at) - 5) return 0;
+        at += 5 + length;
+    }
+    if (end - at < 9 || *at != 'D') return 0;
+    memcpy(&value, at + 1, sizeof value);
+    return value;
+}
+
+/// In text: `"FilmOffsetX", "Number", "", "A",0.1`. @param at behind the name
+static double text_number(const char *at, const char *end)
+{
+    for (int commas = 0; at < end && *at != '\n'; at++)
+        if (*at == ',' && ++commas == 4) return rsv_number_value(at + 1, NULL);
+    return 0;
+}
+
+bool rsv_fbx_shifts_film(const char *bytes, size_t size)
+{
+    static const char *const names[] = { "FilmOffsetX", "FilmOffsetY" };
+    const char *end = bytes + size;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const char *at = bytes;
+        while ((at = memmem(at, (size_t)(end - at), names[k], strlen(names[k])))) {
+            at += strlen(names[k]);
+            if (at < end && (*at == 'S' ? binary_number(at, end) : text_number(at, end)) != 0)
+                return true;
+        }
+    }
+    return false;
 }
 
 char *rsv_fbx_clean(FILE *file, size_t *size)

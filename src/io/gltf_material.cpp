@@ -178,7 +178,11 @@ void convert_extensions(const json &source, owned_material &to)
     float &ior = to.material.value.ior;
     if (ior == 0) ior = 1e3f; // stands for total reflection
     if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())
-        add_note(to, "clearcoatNormalTexture is ignored");
+        add_note(
+            to, "clearcoatNormalTexture is ignored: the coat has the normals of what it covers");
+    else if (to.material.value.clearcoat > 0 &&
+             reference(member(source, "normalTexture"), "index") >= 0)
+        add_note(to, "its clear coat should be smooth over the normal map, and follows it instead");
 }
 
 /// What no extension has, and what overrides extensions.

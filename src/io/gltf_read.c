@@ -87,8 +87,8 @@ static void name_primitive(const rsv_gltf_mesh *mesh, size_t primitive, char lab
         mesh->name, primitive);
 }
 
-static rsv_status add_geometry(
-    reader *r, const rsv_gltf_geometry *g, const char *owner, uint32_t material, uint32_t *id)
+static rsv_status add_geometry(reader *r, const rsv_gltf_geometry *g, const char *owner,
+    uint32_t material, bool deforms, uint32_t *id)
 {
     if (g->index_count % 3 && !r->is_moment)
         rsv_log(r->context, RSV_LOG_WARNING,
@@ -103,7 +103,8 @@ static rsv_status add_geometry(
         .vertex_count = g->vertex_count,
         .indices = g->index,
         .triangle_count = g->index_count / 3,
-        .material = material };
+        .material = material,
+        .deforms = deforms };
     return rsv_scene_add_mesh(r->scene, &mesh, id);
 }
 
@@ -140,6 +141,14 @@ static int material_of(const reader *r, const rsv_gltf_primitive *primitive)
     return primitive->material;
 }
 
+/// Whether animations may change the shape of a part, by its joints or by weights of morph targets.
+static bool is_bent(const reader *r, const rsv_gltf_part *part)
+{
+    const rsv_gltf_mesh *mesh = &r->document->mesh[part->mesh];
+    return r->document->animation_count &&
+           (part->skinned || mesh->primitive[part->primitive].target_count);
+}
+
 /// Adds a primitive to the scene, bent and morphed as one part shows it.
 static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
@@ -160,7 +169,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
         RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
     }
     check_coordinates(r, &g, material_of(r, primitive), label);
-    RSV_TRY(add_geometry(r, &g, label, material, id));
+    RSV_TRY(add_geometry(r, &g, label, material, is_bent(r, part), id));
 cleanup:
     rsv_gltf_release_geometry(r->context, &g);
     return status;

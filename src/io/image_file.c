@@ -18,6 +18,9 @@ static const image_format formats[] = {
     { ".png", rsv_image_decode_ldr, rsv_image_encode_png },
     { ".jpg", rsv_image_decode_ldr, NULL },
     { ".jpeg", rsv_image_decode_ldr, NULL },
+    { ".tga", rsv_image_decode_ldr, NULL },
+    { ".bmp", rsv_image_decode_ldr, NULL },
+    { ".gif", rsv_image_decode_ldr, NULL },
     { ".webp", rsv_image_decode_webp_picture, NULL },
 };
 
@@ -36,7 +39,7 @@ static const image_format *format_of_content(const uint8_t *bytes, size_t size)
     static const struct {
         const char *start, *extension;
     } known[] = { { "\x76\x2f\x31\x01", ".exr" }, { "#?", ".hdr" }, { "\x89PNG", ".png" },
-        { "\xff\xd8\xff", ".jpg" } };
+        { "\xff\xd8\xff", ".jpg" }, { "BM", ".bmp" }, { "GIF8", ".gif" } };
     const rsv_image_file file = { .bytes = bytes, .size = size };
     if (rsv_image_is_webp(&file)) return find_format(".webp");
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -58,7 +61,9 @@ static rsv_status find_output_format(const char *path, const image_format **form
 static rsv_status fail_unknown(const char *path)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png, .jpg or .webp", path);
+        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png, .jpg, "
+        ".webp, .tga, .bmp or .gif",
+        path);
 }
 
 static rsv_status fail_read(rsv_status status, const char *path)

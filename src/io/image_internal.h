@@ -32,7 +32,7 @@ rsv_status rsv_image_decode_exr(
     rsv_context *context, const rsv_image_file *file, rsv_image **image);
 rsv_status rsv_image_decode_hdr(
     rsv_context *context, const rsv_image_file *file, rsv_image **image);
-/// PNG and JPEG.
+/// PNG, JPEG, TGA, BMP and GIF (its first frame).
 rsv_status rsv_image_decode_ldr(
     rsv_context *context, const rsv_image_file *file, rsv_image **image);
 
@@ -42,7 +42,7 @@ typedef struct rsv_image_codes {
     uint32_t width, height, channel_count;
 } rsv_image_codes;
 
-/// PNG and JPEG as 8-bit codes, for textures: no side above RSV_TEXTURE_MAX_SIDE, and no more pixels than the
+/// PNG, JPEG, TGA, BMP and GIF as 8-bit codes, for textures: no side above RSV_TEXTURE_MAX_SIDE, and no more pixels than the
 /// file's size can account for. Release with rsv_image_free_codes.
 rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes);
 void rsv_image_free_codes(rsv_image_codes *codes);
@@ -58,6 +58,20 @@ rsv_status rsv_image_check_png(const rsv_image_file *file);
 /// By what a PNG file says that its codes are not those of sRGB, as messages call it; NULL = they are, or it is no PNG.
 /// @param frames out: whether it holds more pictures than the one that is read
 const char *rsv_image_png_unused(const rsv_image_file *file, bool *frames);
+
+/// More pixels than this cannot come out of a byte of such a file.
+size_t rsv_image_pixels_per_byte(const rsv_image_file *file);
+
+/// Refuses uncompressed TGA files that are shorter than their header says. Files of other formats pass.
+rsv_status rsv_image_check_tga(const rsv_image_file *file);
+
+/// Turns round the lines of TGA files that run from right to left. Other files stay as they are.
+/// @param code [height * width * channels]
+void rsv_image_tga_turn(
+    const rsv_image_file *file, uint8_t *code, size_t width, size_t height, size_t channels);
+
+/// Whether a GIF file holds more pictures than the first.
+bool rsv_image_gif_moves(const rsv_image_file *file);
 
 // Encoders: append to an open file, which the caller commits or discards. `exposure` is in stops
 // and ignored by formats that hold radiance.

@@ -1,4 +1,4 @@
-/// PNG and JPEG, through stb_image and stb_image_write, which leaves compressing to zlib.
+/// PNG, JPEG, TGA, BMP and GIF, through stb_image and stb_image_write, which leaves compressing to zlib.
 #include "../core/srgb.h"
 #include "../core/vec.h"
 #include "image_codes.h"
@@ -31,6 +31,9 @@ static unsigned char *compress_bytes(unsigned char *bytes, int count, int *packe
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
+#define STBI_ONLY_TGA
+#define STBI_ONLY_BMP
+#define STBI_ONLY_GIF
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
 // memory that a broken file leaves unwritten is zeros, not whatever was there
@@ -83,9 +86,10 @@ static const stbi_io_callbacks source_callbacks = { source_read, source_skip, so
 static rsv_status fail_decoding(const source *from)
 {
     static const char *const known[][2] = {
-        { "not of any known", "it is neither a PNG nor a JPEG, or its head is damaged" },
+        { "not of any known", "it is no PNG, JPEG, TGA, BMP or GIF, or its head is damaged" },
         { "not supported",
-            "a kind of PNG or JPEG that is not supported; save it as plain 8-bit PNG" },
+            "a kind of PNG, JPEG or TGA that is not supported; save it as plain 8-bit PNG" },
+        { "BMP", "a kind of BMP that is not supported, or damaged; save it as plain 8-bit PNG" },
         { "memory", "it is damaged, or more than memory holds" },
         { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" }
     };
@@ -113,13 +117,9 @@ static void decode_srgb(const void *codes, bool is_16_bit, size_t pixel_count, r
     }
 }
 
-/// Deflate packs at most 1032 bytes into one, of eight pixels each; a block of JPEG's takes a bit at least.
-enum { PIXELS_PER_BYTE_OF_PNG = 1032 * 8, PIXELS_PER_BYTE_OF_JPEG = 64 * 8 };
-
 static rsv_status check_pixel_count(const rsv_image_file *file, int width, int height)
 {
-    bool is_jpeg = file->bytes[0] == 0xff;
-    size_t most = is_jpeg ? PIXELS_PER_BYTE_OF_JPEG : PIXELS_PER_BYTE_OF_PNG;
+    size_t most = rsv_image_pixels_per_byte(file);
     if ((size_t)width * (size_t)height / most <= file->size) return RSV_OK;
     return rsv_fail(RSV_ERROR_FORMAT,
         "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width, height,
@@ -134,7 +134,7 @@ static void warn_of_unused(rsv_context *context, const rsv_image_file *file)
         rsv_log(context, RSV_LOG_WARNING,
             "picture '%s': not used: its %s; its values are assumed to be sRGB", file->path,
             colors);
-    if (frames)
+    if (frames || rsv_image_gif_moves(file))
         rsv_log(context, RSV_LOG_WARNING, "picture '%s': only the first of its frames is used",
             file->path);
 }
@@ -148,6 +148,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
     int width = 0, height = 0, channels;
     RSV_TRY(rsv_image_check_jpeg(file));
     RSV_TRY(rsv_image_check_png(file));
+    RSV_TRY(rsv_image_check_tga(file));
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
@@ -159,6 +160,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
                       : (void *)stbi_load_from_callbacks(
                             &source_callbacks, &from, &width, &height, &channels, 3);
     if (!codes || from.exhausted) RSV_TRY(fail_decoding(&from));
+    if (!is_16_bit) rsv_image_tga_turn(file, codes, (size_t)width, (size_t)height, 3);
     RSV_TRY(rsv_image_create(context, (uint32_t)width, (uint32_t)height, 1, &decoded));
     decode_srgb(codes, is_16_bit, (size_t)width * (size_t)height, rsv_image_pixels(decoded, 0));
     *image = decoded;
@@ -184,6 +186,7 @@ static rsv_status check_texture_file(const rsv_image_file *file)
     int width = 0, height = 0, channels;
     RSV_TRY(rsv_image_check_jpeg(file));
     RSV_TRY(rsv_image_check_png(file));
+    RSV_TRY(rsv_image_check_tga(file));
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(check_texture_size(file, width, height));
@@ -221,6 +224,7 @@ rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *c
     RSV_TRY(check_texture_file(file));
     codes->code = stbi_load_from_callbacks(&source_callbacks, &from, &width, &height, &channels, 0);
     if (!codes->code || from.exhausted) RSV_TRY(fail_decoding(&from));
+    rsv_image_tga_turn(file, codes->code, (size_t)width, (size_t)height, (size_t)channels);
     codes->width = (uint32_t)width;
     codes->height = (uint32_t)height;
     codes->channel_count = (uint32_t)channels;

@@ -29,8 +29,9 @@ typedef struct unused {
 static const char *const object_words[] = { "v", "vn", "vt", "f", "g", "o", "s", "usemtl", "mtllib",
     "l", "p", NULL };
 static const char *const library_words[] = { "newmtl", "Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d",
-    "Tr", "Tf", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "bump", "disp", "decal", "refl", "norm",
-    NULL };
+    "Tr", "Tf", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "bump", "disp", "norm", "map_Kd", "map_Ka",
+    "map_Ks", "map_Ke", "map_emissive", "map_d", "map_bump", "map_Kn", "map_disp", "map_Ns",
+    "map_Pr", "map_Pm", "map_Ps", "map_refl", NULL };
 static const char *const color_words[] = { "Ka", "Kd", "Ks", "Ke", "Tf", NULL };
 static const char *const naming_words[] = { "usemtl", "newmtl", "mtllib", "o", "g", NULL };
 
@@ -55,7 +56,6 @@ static const char *meaning_of(const char *word, const char *arguments, bool is_l
 {
     const char *meant = meant_word(word, is_library ? library_words : object_words);
     if (!is_library && strcasecmp(word, "fo") == 0) return "f"; // of old versions
-    if (is_library && strncasecmp(word, "map_", 4) == 0) return word;
     if (meant && is_library && meant_word(meant, color_words) && !is_number(arguments)) return NULL;
     return meant;
 }
@@ -251,6 +251,21 @@ static void put_near_vertex(FILE *to, const char *arguments, const double origin
     fprintf(to, "%s\n", rest ? rest : "");
 }
 
+/// Colours of a material in a library that were given.
+typedef struct given_colors {
+    bool diffuse, specular;
+} given_colors;
+
+/// Of a texture without the colour that it multiplies, this is white; importers make up another.
+static void put_missing_color(FILE *to, const char *word, given_colors *given)
+{
+    if (strcasecmp(word, "newmtl") == 0) *given = (given_colors){ false, false };
+    if (strcasecmp(word, "Kd") == 0) given->diffuse = true;
+    if (strcasecmp(word, "Ks") == 0) given->specular = true;
+    if (strcasecmp(word, "map_Kd") == 0 && !given->diffuse) fputs("Kd 1 1 1\n", to);
+    if (strcasecmp(word, "map_Ks") == 0 && !given->specular) fputs("Ks 1 1 1\n", to);
+}
+
 static void put_statement(FILE *to, char *line, bool is_library, const double origin[3])
 {
     char word[WORD_BYTES];
@@ -263,6 +278,8 @@ static void put_statement(FILE *to, char *line, bool is_library, const double or
         put_name(to, meant, arguments);
     else if (is_library && meant_word(meant, color_words))
         put_color(to, meant, arguments);
+    else if (strcmp(meant, "map_refl") == 0) // of Blender alone, and not known to the importer
+        fprintf(to, "map_Pm %s\n", arguments);
     else if (is_library && strcmp(meant, "d") == 0 && strncmp(arguments, "-halo", 5) == 0)
         fprintf(to, "d %s\n", arguments + 5);
     else if (strcmp(meant, "v") == 0 && (origin[0] != 0 || origin[1] != 0 || origin[2] != 0))
@@ -280,9 +297,13 @@ char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3])
     if (to) {
         join_lines(text, *size);
         find_origin(is_library ? NULL : text, origin);
+        given_colors given = { false, false };
         for (char *line = text, *next; line; line = next) {
+            char word[WORD_BYTES];
             next = strchr(line, '\n');
             if (next) *next++ = '\0';
+            copy_word(line, word);
+            if (is_library) put_missing_color(to, word, &given);
             put_statement(to, line, is_library, origin);
         }
         if (fclose(to) != 0) {

@@ -162,7 +162,8 @@ static rsv_status load_texture(parcel *p, const rsv_part_texture *part, arrived_
     rsv_texture_source source = { .file = { part->name, part->bytes, part->size },
         .srgb = part->srgb,
         .shines = part->shines,
-        .grey_is_alpha = part->grey_is_alpha,
+        .use = part->use,
+        .shininess = part->shininess,
         .wrap_u = part->wrap_u,
         .wrap_v = part->wrap_v };
     bool is_beside = !part->bytes;
@@ -190,7 +191,8 @@ static rsv_status receive_texture(parcel *p, const part_head *head, const char *
     RSV_TRY(take_value(p, &part, sizeof part));
     part.size = (size_t)head->vertex_count;
     part.bytes = part.size ? take(p, head->vertex_count, 1) : NULL;
-    if (!name || (part.size && !part.bytes) || !is_wrap(part.wrap_u) || !is_wrap(part.wrap_v))
+    if (!name || (part.size && !part.bytes) || !is_wrap(part.wrap_u) || !is_wrap(part.wrap_v) ||
+        (unsigned)part.use >= RSV_TEXTURE_USES)
         return fail_astray();
     RSV_TRY(rsv_grow(rsv_scene_get_context(p->scene), (void **)&p->texture, &p->texture_capacity,
         p->texture_count + 1, sizeof *p->texture));

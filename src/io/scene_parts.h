@@ -4,6 +4,7 @@
 #define RSV_SCENE_PARTS_H
 
 #include "resolvent/io.h"
+#include "texture_image.h"
 
 #include <stdio.h>
 
@@ -16,7 +17,9 @@ typedef struct rsv_part_texture {
     const char *name;     ///< of its file, as the scene's file has it
     const uint8_t *bytes; ///< [size] the file itself; NULL = it lies where its name says
     size_t size;
-    bool srgb, shines, grey_is_alpha; ///< as in rsv_texture_source
+    bool srgb, shines; ///< as in rsv_texture_source, and so on
+    rsv_texture_use use;
+    float shininess;
     rsv_wrap wrap_u, wrap_v;
 } rsv_part_texture;
 

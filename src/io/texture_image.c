@@ -2,6 +2,7 @@
 
 #include "../core/srgb.h"
 #include "image_ktx.h"
+#include "phong.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,29 +20,80 @@ static rsv_texture_desc describe(
         .nearest = source->nearest };
 }
 
-// ---- opacity from grey ------------------------------------------------------------------------------
+// ---- grey pictures ----------------------------------------------------------------------------------
 
-/// Whether a picture of so many channels is to get an alpha channel of its colours.
-static bool needs_alpha(const rsv_texture_source *source, uint32_t channels)
+static bool has_alpha(uint32_t channels) { return channels % 2 == 0; }
+
+/// Of the texture that a picture of so many channels becomes.
+static uint32_t wanted_channels(const rsv_texture_source *source, uint32_t channels)
 {
-    return source->grey_is_alpha && channels != 2 && channels != 4;
+    if (source->use == RSV_TEXTURE_GREY_IS_ALPHA) return has_alpha(channels) ? channels : 2;
+    bool alone =
+        source->use == RSV_TEXTURE_GREY_IS_GREEN || source->use == RSV_TEXTURE_GREY_IS_BLUE;
+    return alone ? 3 : channels;
 }
 
-/// Grey and alpha of pictures without alpha. @param codes are replaced
-static rsv_status add_alpha(rsv_context *context, rsv_image_codes *codes, uint8_t **pairs)
+/// Whether the texels are others than the picture's.
+static bool is_rearranged(const rsv_texture_source *source, uint32_t channels)
+{
+    return wanted_channels(source, channels) == 2 ? !has_alpha(channels)
+                                                  : source->use == RSV_TEXTURE_GREY_IS_GREEN ||
+                                                        source->use == RSV_TEXTURE_GREY_IS_BLUE;
+}
+
+/// Which channel the grey goes to; all others are 1.
+static uint32_t channel_of_grey(const rsv_texture_source *source)
+{
+    return source->use == RSV_TEXTURE_GREY_IS_BLUE ? 2 : 1;
+}
+
+/// What the texture says where the picture shows that grey, 0..1.
+static float value_of_grey(const rsv_texture_source *source, float grey)
+{
+    return source->shininess > 0 ? rsv_roughness_of_shininess(grey * source->shininess) : grey;
+}
+
+/// Normal maps are blue: they point outwards, and to all sides alike about. @param sum of red, green and blue
+static rsv_status check_normals(
+    const rsv_texture_source *source, const double sum[3], uint32_t channels)
+{
+    if (source->use != RSV_TEXTURE_ARE_NORMALS) return RSV_OK;
+    if (channels >= 3 && sum[2] > 1.1 * sum[0] && sum[2] > 1.1 * sum[1]) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED, "it holds heights, not normals, and bump maps are not "
+                                           "supported; convert it to a normal map");
+}
+
+/// The texels of a picture that is to be rearranged. @param codes [height * width * channels] @param made out: to be freed
+static rsv_status rearrange(rsv_context *context, const rsv_texture_source *source,
+    const rsv_image_codes *codes, uint8_t **made)
 {
     size_t count = (size_t)codes->width * codes->height, width = codes->channel_count;
-    uint8_t *pair = rsv_alloc(context, count, 2);
-    if (!pair) return RSV_ERROR_MEMORY;
+    size_t colors = width - has_alpha(codes->channel_count);
+    uint32_t wanted = wanted_channels(source, codes->channel_count);
+    uint8_t *texel = rsv_alloc(context, count, wanted);
+    if (!texel) return RSV_ERROR_MEMORY;
+    memset(texel, 255, count * wanted);
     for (size_t i = 0; i < count; i++) {
         unsigned sum = 0;
-        for (size_t c = 0; c < width; c++)
+        for (size_t c = 0; c < colors; c++)
             sum += codes->code[width * i + c];
-        pair[2 * i] = 255;
-        pair[2 * i + 1] = (uint8_t)(sum / width);
+        float grey = (float)sum / (255.0f * (float)colors);
+        texel[wanted * i + channel_of_grey(source)] =
+            (uint8_t)(255 * value_of_grey(source, grey) + 0.5f);
     }
-    *pairs = pair;
+    *made = texel;
     return RSV_OK;
+}
+
+static rsv_status check_codes(const rsv_texture_source *source, const rsv_image_codes *codes)
+{
+    double sum[3] = { 0 };
+    size_t count = (size_t)codes->width * codes->height, width = codes->channel_count;
+    if (source->use != RSV_TEXTURE_ARE_NORMALS) return RSV_OK;
+    for (size_t i = 0; i < count && width >= 3; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += codes->code[width * i + c];
+    return check_normals(source, sum, codes->channel_count);
 }
 
 // ---- codes of 8 bits --------------------------------------------------------------------------------
@@ -50,19 +102,20 @@ static rsv_status load_codes(rsv_scene *scene, const rsv_texture_source *source,
 {
     rsv_status status;
     rsv_image_codes codes = { 0 };
-    uint8_t *pairs = NULL;
+    uint8_t *made = NULL;
     bool is_webp = rsv_image_is_webp(&source->file);
     RSV_TRY((is_webp ? rsv_image_decode_webp : rsv_image_decode_codes)(&source->file, &codes));
     rsv_texture_desc desc = describe(source, codes.width, codes.height, codes.channel_count);
     desc.codes = codes.code;
-    if (needs_alpha(source, codes.channel_count)) {
-        RSV_TRY(add_alpha(rsv_scene_get_context(scene), &codes, &pairs));
-        desc.codes = pairs;
-        desc.channel_count = 2;
+    RSV_TRY(check_codes(source, &codes));
+    if (is_rearranged(source, codes.channel_count)) {
+        RSV_TRY(rearrange(rsv_scene_get_context(scene), source, &codes, &made));
+        desc.codes = made;
+        desc.channel_count = wanted_channels(source, codes.channel_count);
     }
     RSV_TRY(rsv_scene_add_texture(scene, &desc, id));
 cleanup:
-    rsv_free(rsv_scene_get_context(scene), pairs);
+    rsv_free(rsv_scene_get_context(scene), made);
     rsv_image_free_codes(&codes);
     return status;
 }
@@ -76,6 +129,37 @@ static float linear_of(uint16_t code, bool is_color)
     return (float)(is_color ? rsv_srgb_decode(value) : value);
 }
 
+/// Texels of a picture of 16 bits, in linear light. @param value out: [height * width * wanted channels]
+static void take_codes16(const rsv_texture_source *source, const rsv_image_codes *size,
+    const uint16_t *code, float *value)
+{
+    uint32_t width = size->channel_count, wanted = wanted_channels(source, width);
+    uint32_t colors = width - has_alpha(width);
+    for (size_t i = 0; i < (size_t)size->width * size->height; i++) {
+        float sum = 0;
+        for (uint32_t c = 0; c < colors; c++)
+            sum += (float)code[width * i + c] / 65535.0f;
+        for (uint32_t c = 0; c < wanted; c++) {
+            bool is_color = source->srgb && c < colors;
+            value[wanted * i + c] =
+                is_rearranged(source, width) ? 1 : linear_of(code[width * i + c], is_color);
+        }
+        if (is_rearranged(source, width))
+            value[wanted * i + channel_of_grey(source)] =
+                value_of_grey(source, sum / (float)colors);
+    }
+}
+
+static rsv_status check_codes16(
+    const rsv_texture_source *source, const rsv_image_codes *size, const uint16_t *code)
+{
+    double sum[3] = { 0 };
+    for (size_t i = 0; i < (size_t)size->width * size->height && size->channel_count >= 3; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += code[size->channel_count * i + c];
+    return check_normals(source, sum, size->channel_count);
+}
+
 static rsv_status load_codes16(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id)
 {
     rsv_status status;
@@ -84,21 +168,11 @@ static rsv_status load_codes16(rsv_scene *scene, const rsv_texture_source *sourc
     uint16_t *code = NULL;
     float *value = NULL;
     RSV_TRY(rsv_image_decode_codes16(&source->file, &code, &size));
-    uint32_t width = size.channel_count, wanted = needs_alpha(source, width) ? 2 : width;
-    size_t count = (size_t)size.width * size.height;
-    if (!(value = rsv_alloc(context, count * wanted, sizeof *value))) RSV_TRY(RSV_ERROR_MEMORY);
-    for (size_t i = 0; i < count; i++) {
-        float sum = 0;
-        for (uint32_t c = 0; c < width; c++) {
-            bool is_alpha = c + 1 == width && width % 2 == 0;
-            float v = linear_of(code[width * i + c], source->srgb && !is_alpha);
-            if (wanted == width) value[width * i + c] = v;
-            sum += (float)code[width * i + c] / 65535.0f;
-        }
-        if (wanted == width) continue;
-        value[2 * i] = 1;
-        value[2 * i + 1] = sum / (float)width;
-    }
+    RSV_TRY(check_codes16(source, &size, code));
+    uint32_t wanted = wanted_channels(source, size.channel_count);
+    value = rsv_alloc(context, (size_t)size.width * size.height, wanted * sizeof *value);
+    if (!value) RSV_TRY(RSV_ERROR_MEMORY);
+    take_codes16(source, &size, code, value);
     rsv_texture_desc desc = describe(source, size.width, size.height, wanted);
     desc.values = value;
     desc.srgb = false;
@@ -135,7 +209,7 @@ static rsv_status load_radiance(rsv_scene *scene, const rsv_texture_source *sour
         context, &source->file, &image));
     uint32_t width = rsv_image_width(image), height = rsv_image_height(image);
     rsv_rgb *pixel = rsv_image_pixels(image, 0);
-    bool makes_alpha = source->grey_is_alpha;
+    uint32_t wanted = wanted_channels(source, 3);
     if (width > RSV_TEXTURE_MAX_SIDE || height > RSV_TEXTURE_MAX_SIDE)
         RSV_TRY(
             rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %u x %u pixels are not in 1 .. %u a side",
@@ -144,13 +218,16 @@ static rsv_status load_radiance(rsv_scene *scene, const rsv_texture_source *sour
     for (size_t i = 0; i < (size_t)width * height; i++) {
         rsv_rgb c = { cut_off(pixel[i].r, source->shines), cut_off(pixel[i].g, source->shines),
             cut_off(pixel[i].b, source->shines) };
-        float alpha = (c.r + c.g + c.b) / 3;
-        if (makes_alpha)
-            value[2 * i] = 1, value[2 * i + 1] = alpha;
-        else
+        float grey = value_of_grey(source, (c.r + c.g + c.b) / 3);
+        float *texel = &value[wanted * i];
+        if (is_rearranged(source, 3)) {
+            for (uint32_t k = 0; k < wanted; k++)
+                texel[k] = k == channel_of_grey(source) ? grey : 1;
+        } else {
             pixel[i] = c;
+        }
     }
-    rsv_texture_desc desc = describe(source, width, height, makes_alpha ? 2 : 3);
+    rsv_texture_desc desc = describe(source, width, height, wanted);
     desc.values = value;
     desc.srgb = false;
     RSV_TRY(rsv_scene_add_texture(scene, &desc, id));
@@ -179,9 +256,10 @@ static rsv_status load_ktx(rsv_scene *scene, const rsv_texture_source *source, u
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_ktx_picture p;
     RSV_TRY(rsv_ktx_decode(context, &source->file, &p));
-    if (needs_alpha(source, p.channel_count))
+    if (is_rearranged(source, p.channel_count))
         RSV_TRY(rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "cannot read '%s': opacity needs a KTX2 picture with alpha", source->file.path));
+            "cannot read '%s': KTX2 pictures are not rearranged; save it as PNG",
+            source->file.path));
     rsv_texture_desc desc = describe(source, p.width, p.height, p.channel_count);
     if (p.values) make_linear(source, &p);
     desc.codes = p.codes;
@@ -193,6 +271,15 @@ cleanup:
     return status;
 }
 
+static void warn_of_frames(rsv_scene *scene, const rsv_image_file *file)
+{
+    bool frames;
+    rsv_image_png_unused(file, &frames);
+    if (frames || rsv_image_gif_moves(file))
+        rsv_log(rsv_scene_get_context(scene), RSV_LOG_WARNING,
+            "texture '%s': only the first of its frames is used", file->path);
+}
+
 rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id)
 {
     const rsv_image_file *file = &source->file;
@@ -200,6 +287,7 @@ rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, 
         return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", file->path);
     if (rsv_image_is_ktx(file)) return load_ktx(scene, source, id);
     if (is_exr(file) || is_hdr(file)) return load_radiance(scene, source, id);
+    warn_of_frames(scene, file);
     if (rsv_image_is_16_bit(file)) return load_codes16(scene, source, id);
     return load_codes(scene, source, id);
 }

@@ -5,18 +5,30 @@
 #include "image_internal.h"
 #include "resolvent/io.h"
 
+/// What of a texel a picture's values become.
+typedef enum rsv_texture_use {
+    RSV_TEXTURE_AS_IT_IS,
+    RSV_TEXTURE_GREY_IS_ALPHA, ///< where there is no alpha the mean of the colours is
+    RSV_TEXTURE_GREY_IS_GREEN, ///< alone, the rest is 1: of roughness
+    RSV_TEXTURE_GREY_IS_BLUE,  ///< the same: of metal
+    RSV_TEXTURE_ARE_NORMALS, ///< refused where it does not look like a normal map, but like heights
+    RSV_TEXTURE_USES
+} rsv_texture_use;
+
 /// What a picture file is to become.
 typedef struct rsv_texture_source {
     rsv_image_file file; ///< its path is the texture's name too
     bool srgb;           ///< codes are colours; pictures of radiance (.hdr, .exr) have none
     bool shines;         ///< values above 1 stay; else they are cut off
-    bool grey_is_alpha;  ///< where there is no alpha the mean of the colours is
+    rsv_texture_use use;
+    /// Of RSV_TEXTURE_GREY_IS_GREEN: above 0, the grey is that share of this exponent of Phong's, and becomes roughness.
+    float shininess;
     bool nearest;
     rsv_wrap wrap_u, wrap_v;
 } rsv_texture_source;
 
-/// Decodes PNG (8 and 16 bits), JPEG, WebP, KTX2, HDR and EXR, by their first bytes, and adds a texture. RSV_ERROR_FORMAT, naming the file,
-/// for what cannot be read. @param id out
+/// Decodes PNG (8 and 16 bits), JPEG, TGA, BMP, GIF, WebP, KTX2, HDR and EXR, by their first bytes, and adds a texture.
+/// RSV_ERROR_FORMAT, naming the file, for what cannot be read. @param id out
 rsv_status rsv_texture_load(rsv_scene *scene, const rsv_texture_source *source, uint32_t *id);
 
 /// Reads a whole file. @param file out: its bytes are to be freed by rsv_free, also after a failure

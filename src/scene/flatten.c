@@ -194,11 +194,13 @@ cleanup:
     return status;
 }
 
-/// The output vertex for one corner: shared where the mesh's normal is on the geometric side, split
-/// off with the geometric normal where it is not.
+/// The output vertex for one corner: shared where the mesh's normal is on the geometric side, split off with the geometric
+/// normal where it is not. Which corners these are depends on the pose, so nothing is shared where the mesh deforms.
 static rsv_status emit_corner(flattener *f, uint32_t vertex, rsv_vec3 geometric, uint32_t *id)
 {
-    if (!(v3_dot(f->normal[vertex], geometric) > 0)) return append_vertex(f, vertex, geometric, id);
+    bool faces = v3_dot(f->normal[vertex], geometric) > 0;
+    if (!faces || f->mesh->deforms)
+        return append_vertex(f, vertex, faces ? f->normal[vertex] : geometric, id);
     rsv_status status = RSV_OK;
     if (f->emitted[vertex] == RSV_NONE)
         status = append_vertex(f, vertex, f->normal[vertex], &f->emitted[vertex]);

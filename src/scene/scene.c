@@ -365,6 +365,7 @@ rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh, uint3
     RSV_TRY(check_mesh(scene, mesh, stored.name));
     RSV_TRY(copy_mesh(scene, mesh, &stored));
     RSV_TRY(copy_attributes(scene, mesh, &stored));
+    stored.deforms = mesh->deforms;
     if (stored.normal) {
         size_t unusable = normalize_normals(stored.normal, stored.vertex_count);
         if (unusable && lacks_normals(&stored))

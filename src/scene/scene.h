@@ -17,6 +17,7 @@ typedef struct rsv_mesh {
     uint32_t *index;                               ///< [3 * triangle_count]
     size_t vertex_count, triangle_count;
     uint32_t material;
+    bool deforms;            ///< has other shapes in other versions of the scene
     size_t degenerate_count; ///< world-space triangles that flattening dropped
 } rsv_mesh;
 

@@ -271,9 +271,11 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     *f = (finder){ .scene = scene, .view = view };
     rsv_twins_limits(view, &f->reach, &f->rounding);
     f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
-    f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
-    if (!f->flags || !f->box) goto cleanup;
+    if (!f->flags) goto cleanup;
     RSV_TRY(plant_tree(f));
+    // after what the tree is sorted by is gone
+    f->box = rsv_reserve(scene->context, f->tree.face_count, sizeof *f->box);
+    if (!f->box) RSV_TRY(RSV_ERROR_MEMORY);
     f->gave_up = rsv_alloc(scene->context, f->tree.node_count, 1);
     if (!f->gave_up) RSV_TRY(RSV_ERROR_MEMORY);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))

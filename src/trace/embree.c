@@ -6,7 +6,6 @@
 #include "../scene/material_at.h"
 #include "../scene/scene.h"
 #include "embree_internal.h"
-#include "hierarchy.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -39,7 +38,7 @@ static int native_packet_width(RTCDevice device)
 static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
 {
     const rsv_tracer *tracer = hits->geometryUserPtr;
-    const rsv_scene_view *scene = rsv_scene_get_view(tracer->scene);
+    const rsv_scene_view *scene = rsv_scene_get_view(tracer->head.scene);
     // RTCHitN is a run of N for each member of RTCHit; Embree's accessors are for C++ alone
     const float *member = (const float *)hits->hit;
     const float *u = member + 3 * hits->N, *v = member + 4 * hits->N;
@@ -54,7 +53,7 @@ static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
 /// Scenes without cut-out materials do without the filter and its cost.
 static void set_filter(rsv_tracer *tracer, RTCGeometry geometry)
 {
-    if (!rsv_find_cut_out(rsv_scene_get_view(tracer->scene))) return;
+    if (!rsv_find_cut_out(rsv_scene_get_view(tracer->head.scene))) return;
     rtcSetGeometryUserData(geometry, tracer);
     rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
@@ -62,7 +61,7 @@ static void set_filter(rsv_tracer *tracer, RTCGeometry geometry)
 
 static rsv_status build(rsv_tracer *tracer)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->head.scene);
     RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Copied, not shared: Embree reads 4 bytes past the end of a shared vertex buffer.
     void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -84,13 +83,6 @@ static rsv_status build(rsv_tracer *tracer)
     return check_device(tracer);
 }
 
-/// Asks the scene whether faces of it lie in the same place.
-static void find_twins(rsv_tracer *tracer)
-{
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
-    tracer->twins = view->twins ? view : NULL;
-}
-
 rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
@@ -99,11 +91,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     RSV_TRY(rsv_scene_require_committed(scene));
     tracer = rsv_alloc(context, 1, sizeof *tracer);
     RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
-    tracer->context = context;
-    tracer->scene = scene;
-    tracer->blended = rsv_find_blended(rsv_scene_get_view(scene));
-    tracer->hierarchy = rsv_alloc(context, 1, sizeof *tracer->hierarchy);
-    RSV_TRY(tracer->hierarchy ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_tracer_head_begin(scene, &tracer->head));
     char settings[64];
     snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
     tracer->device = rtcNewDevice(settings);
@@ -116,23 +104,10 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     tracer->bvh = rtcNewScene(tracer->device);
     RSV_TRY(check_device(tracer));
     RSV_TRY(build(tracer));
-    find_twins(tracer);
     *result = tracer;
     return RSV_OK;
 cleanup:
     rsv_tracer_destroy(tracer);
-    return status;
-}
-
-rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view)
-{
-    rsv_bvh *kept = tracer->hierarchy;
-    rsv_status status = RSV_OK;
-#pragma omp critical(rsv_tracer_hierarchy)
-    {
-        if (!kept->context) status = rsv_bvh_build_scene(tracer->scene, kept);
-        *view = kept->view;
-    }
     return status;
 }
 
@@ -141,8 +116,8 @@ rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view)
 /// Lists the triangles of these materials.
 static rsv_status list_apart(rsv_tracer *tracer, const bool *moves)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
-    tracer->apart = rsv_alloc(tracer->context, view->triangle_count, sizeof *tracer->apart);
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->head.scene);
+    tracer->apart = rsv_alloc(tracer->head.context, view->triangle_count, sizeof *tracer->apart);
     if (!tracer->apart) return RSV_ERROR_MEMORY;
     tracer->apart_count = 0;
     for (uint32_t t = 0; t < view->triangle_count; t++)
@@ -168,7 +143,7 @@ static void drop_apart(const rsv_tracer *tracer)
 /// @param vertices [3 apart_count]
 static void place_apart(const rsv_tracer *tracer, rsv_vec3 *vertices)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->head.scene);
     for (size_t k = 0; k < 3 * tracer->apart_count; k++)
         vertices[k] = view->position[view->triangle[tracer->apart[k / 3]][k % 3]];
 }
@@ -215,7 +190,7 @@ rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
 /// Whether any of these triangles is still among the others. @param apart [triangle_count] out: those that are not
 static bool any_to_set_apart(const rsv_tracer *tracer, const uint8_t *moves, uint8_t *apart)
 {
-    size_t triangles = rsv_scene_get_view(tracer->scene)->triangle_count;
+    size_t triangles = rsv_scene_get_view(tracer->head.scene)->triangle_count;
     for (size_t k = 0; k < tracer->apart_count; k++)
         apart[tracer->apart[k]] = 1;
     for (size_t t = 0; t < triangles; t++)
@@ -225,19 +200,19 @@ static bool any_to_set_apart(const rsv_tracer *tracer, const uint8_t *moves, uin
 
 rsv_status rsv_tracer_set_triangles_apart(rsv_tracer *tracer, const uint8_t *moves)
 {
-    size_t triangles = rsv_scene_get_view(tracer->scene)->triangle_count;
+    size_t triangles = rsv_scene_get_view(tracer->head.scene)->triangle_count;
     rsv_status status = RSV_OK;
-    uint8_t *apart = rsv_alloc(tracer->context, triangles, 1);
+    uint8_t *apart = rsv_alloc(tracer->head.context, triangles, 1);
     RSV_TRY(apart ? RSV_OK : RSV_ERROR_MEMORY);
     if (!any_to_set_apart(tracer, moves, apart)) goto cleanup;
     if (!tracer->apart)
-        tracer->apart = rsv_alloc(tracer->context, triangles, sizeof *tracer->apart);
+        tracer->apart = rsv_alloc(tracer->head.context, triangles, sizeof *tracer->apart);
     RSV_TRY(tracer->apart ? RSV_OK : RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < triangles; t++)
         if (moves[t] && !apart[t]) tracer->apart[tracer->apart_count++] = t;
     RSV_TRY(build_apart(tracer));
 cleanup:
-    rsv_free(tracer->context, apart);
+    rsv_free(tracer->head.context, apart);
     return status;
 }
 
@@ -250,9 +225,9 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;
     if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
-    rsv_bvh_destroy(tracer->hierarchy);
+    rsv_bvh_destroy(tracer->head.hierarchy);
     place_apart(tracer, vertices);
-    find_twins(tracer);
+    rsv_tracer_head_find_twins(&tracer->head);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(tracer->bvh);
@@ -264,10 +239,9 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     if (!tracer) return;
     if (tracer->bvh) rtcReleaseScene(tracer->bvh);
     if (tracer->device) rtcReleaseDevice(tracer->device);
-    if (tracer->hierarchy) rsv_bvh_destroy(tracer->hierarchy);
-    rsv_free(tracer->context, tracer->hierarchy);
-    rsv_free(tracer->context, tracer->apart);
-    rsv_free(tracer->context, tracer);
+    rsv_free(tracer->head.context, tracer->apart);
+    rsv_tracer_head_end(&tracer->head);
+    rsv_free(tracer->head.context, tracer);
 }
 
-const rsv_scene *rsv_tracer_scene(const rsv_tracer *tracer) { return tracer->scene; }
+const rsv_scene *rsv_tracer_scene(const rsv_tracer *tracer) { return tracer->head.scene; }

@@ -2,8 +2,7 @@
 #ifndef RSV_EMBREE_INTERNAL_H
 #define RSV_EMBREE_INTERNAL_H
 
-#include "../bvh/bvh.h"
-#include "resolvent/trace.h"
+#include "tracer_internal.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -12,17 +11,13 @@
 #endif
 
 struct rsv_tracer {
-    rsv_context *context;
-    const rsv_scene *scene;
+    rsv_tracer_head head;
     RTCDevice device;
     RTCScene bvh;
     int native_width; ///< widest packet the processor traverses natively: 16, 8, 4 or 1
     uint32_t *apart;  ///< [apart_count] triangles of the second geometry; NULL = there is but one
     size_t apart_count;
-    bool apart_attached;         ///< there is that geometry
-    rsv_bvh *hierarchy;          ///< for devices; empty until one asks
-    const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
-    bool blended;                ///< light passes some surfaces in part (passage.h)
+    bool apart_attached; ///< there is that geometry
 };
 
 /// Geometries: the scene's triangles under their own numbers, and those set apart.

@@ -64,7 +64,7 @@ bool rsv_tracer_closest(const rsv_tracer *tracer, const rsv_ray *ray, rsv_hit *h
     uint32_t triangle = triangle_of(tracer, query_ray.hit.geomID, query_ray.hit.primID);
     *hit = (rsv_hit){ triangle, query_ray.ray.tfar, query_ray.hit.u, query_ray.hit.v };
     if (query_ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    if (tracer->twins) rsv_twins_settle(tracer->twins, ray->direction, hit);
+    if (tracer->head.twins) rsv_twins_settle(tracer->head.twins, ray->direction, hit);
     return true;
 }
 
@@ -182,7 +182,7 @@ void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet,
         INTERSECT(16, all_lanes, (struct RTCRayHit16 *)packet);
     }
     if (tracer->apart) name_apart(tracer, packet);
-    if (tracer->twins) rsv_packet_settle(tracer->twins, packet);
+    if (tracer->head.twins) rsv_packet_settle(tracer->head.twins, packet);
 }
 
 void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)

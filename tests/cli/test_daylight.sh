@@ -11,7 +11,7 @@ weather() {
 }
 weather 2001,6,21,3,60 0,0,0 2001,6,21,11,60 600,500,150 2001,6,21,12,60 700,600,150 >a.epw
 printf '0,0.5,0,0,1,0\n0.1,0.5,0.1,0,0,1\n' >points.csv
-quick=(--weather a.epw --quality draft --samples 240 --max-elements 300 --threads 2)
+quick=(--weather a.epw --quality draft --samples 120 --max-elements 120 --threads 2)
 
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/a.csv" --hourly "$out/h.csv" --north 0
 [[ $(wc -l <"$out/a.csv") == 3 ]] || complain "one line per sensor"

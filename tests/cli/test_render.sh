@@ -2,7 +2,7 @@
 # Pictures: all modes and formats, the same bytes for any number of threads, statistics, comparison.
 source "$(dirname "$0")/support.sh"
 
-draft=(--size 48x32 --quality draft --spp 2)
+draft=(--size 48x32 --quality draft --max-elements 500 --spp 2)
 for mode in final operator reference; do
     for threads in 1 2; do
         succeeds render cornell-spheres -o "$mode$threads.exr" -o "$mode$threads.png" "${draft[@]}" \
@@ -36,7 +36,7 @@ says '^median_relative_error '
 succeeds compare final1.exr final2.exr --layer direct --json
 says '"rmse":[[:space:]]*0,'
 refuses 1 "has no layer 'rainbow'" compare final1.exr final2.exr --layer rainbow
-succeeds solve cornell-spheres -o solved.safetensors --quality draft
+succeeds solve cornell-spheres -o solved.safetensors --quality draft --max-elements 500
 succeeds render solved.safetensors -o calm.exr "${draft[@]}" --noise 5%
 ! cmp -s calm.exr final1.exr || complain "--noise changes nothing"
 refuses 1 "leave out" render furnace -o no.exr --mode reference --noise 2%

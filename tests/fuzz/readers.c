@@ -153,7 +153,8 @@ typedef struct reader {
 static const reader readers[] = { { ".glb", read_scene }, { ".gltf", read_scene },
     { ".obj", read_scene }, { ".ply", read_scene }, { ".stl", read_scene }, { ".dae", read_scene },
     { ".fbx", read_scene }, { ".exr", read_image }, { ".hdr", read_image }, { ".png", read_image },
-    { ".jpg", read_image }, { ".webp", read_image }, { ".ktx2", read_texture },
+    { ".jpg", read_image }, { ".webp", read_image }, { ".tga", read_texture },
+    { ".bmp", read_texture }, { ".gif", read_texture }, { ".ktx2", read_texture },
     { ".safetensors", read_operator }, { ".csv", read_points }, { ".epw", read_weather },
     { ".wea", read_weather }, { ".ies", read_luminaire }, { ".ldt", read_luminaire },
     { ".txt", read_script } };

@@ -4,7 +4,7 @@ add_library(rsv_fuzz_readers STATIC fuzz/readers.c fuzz/kept_files.c)
 target_link_libraries(rsv_fuzz_readers PUBLIC rsv_test_support rsv_program_parts)
 
 if(RSV_FUZZ)
-    foreach(extension IN ITEMS glb gltf obj ply stl dae fbx exr hdr png jpg webp ktx2 safetensors csv txt epw wea ies ldt
+    foreach(extension IN ITEMS glb gltf obj ply stl dae fbx exr hdr png jpg webp tga bmp gif ktx2 safetensors csv txt epw wea ies ldt
             history scene rows)
         add_executable(fuzz_${extension} fuzz/fuzz.c)
         target_compile_definitions(fuzz_${extension} PRIVATE FUZZ_EXTENSION=".${extension}")

@@ -237,6 +237,73 @@ static void collada_cameras_see_what_they_say(void **state)
     }
 }
 
+/// Blender gives parts of the longer side, `render` takes widths and heights.
+static void shifts_of_films_are_named(void **state)
+{
+    static const struct {
+        const char *aspect, *wanted;
+    } cases[] = { { "2", "--shift-x 0.1 --shift-y -0.4 " },
+        { "0.5", "--shift-x 0.2 --shift-y -0.2 " } };
+    fixture *f = *state;
+    for (size_t k = 0; k < 2; k++) {
+        char library[768];
+        snprintf(library, sizeof library,
+            "<library_cameras><camera id=\"lens\"><optics><technique_common><perspective><xfov>40"
+            "</xfov><aspect_ratio>%s</aspect_ratio></perspective></technique_common></optics><extra>"
+            "<technique profile=\"blender\"><shiftx sid=\"shiftx\">0.1</shiftx><shifty>-0.2"
+            "</shifty></technique></extra></camera></library_cameras>",
+            cases[k].aspect);
+        write_collada("any", 1, library, "<node><instance_camera url=\"#lens\"/></node>");
+        rsv_scene_destroy(load(f, "a.dae"));
+        assert_mentions(f->log, cases[k].wanted);
+    }
+}
+
+static void fbx_tells_of_shifted_films(void **state)
+{
+    (void)state;
+    static const char binary[] =
+        "S\x0b\0\0\0FilmOffsetXS\x06\0\0\0NumberS\0\0\0\0S\x01\0\0\0AD\0\0\0\0\0\0\xe0?";
+    static const char still[] =
+        "S\x0b\0\0\0FilmOffsetYS\x06\0\0\0NumberS\0\0\0\0S\x01\0\0\0AD\0\0\0\0\0\0\0\0";
+    static const char text[] = "P: \"FilmOffsetX\", \"Number\", \"\", \"A\",0.1\n";
+    static const char text_still[] = "P: \"FilmOffsetX\", \"Number\", \"\", \"A\",0\n";
+    assert_true(rsv_fbx_shifts_film(binary, sizeof binary - 1));
+    assert_true(rsv_fbx_shifts_film(text, sizeof text - 1));
+    assert_false(rsv_fbx_shifts_film(still, sizeof still - 1));
+    assert_false(rsv_fbx_shifts_film(text_still, sizeof text_still - 1));
+    for (size_t size = 0; size < sizeof binary - 1; size++) {
+        char *cut = malloc(size + 1);
+        memcpy(cut, binary, size);
+        cut[size] = '\0';
+        assert_false(rsv_fbx_shifts_film(cut, size));
+        free(cut);
+    }
+}
+
+/// Its exporter writes metals as <lambert> with a reflectivity.
+static void metals_of_blender_in_collada_are_metals(void **state)
+{
+    static const char library[] =
+        "<library_materials><material id=\"m\" name=\"paint\"><instance_effect url=\"#e\"/>"
+        "</material></library_materials><library_effects><effect id=\"e\"><profile_COMMON>"
+        "<technique sid=\"common\"><lambert><diffuse><color>0.9 0.7 0.3 1</color></diffuse>"
+        "<reflectivity><float sid=\"specular\">0.75</float></reflectivity></lambert></technique>"
+        "</profile_COMMON></effect></library_effects>";
+    static const char *const tools[] = { "Blender 3.4.1", "any" };
+    fixture *f = *state;
+    for (int k = 0; k < 2; k++) {
+        write_collada(tools[k], 1, library, "");
+        rsv_scene *scene = load(f, "a.dae");
+        const rsv_material *m = &rsv_scene_get_view(scene)->material[0];
+        assert_string_equal(m->name, "paint");
+        assert_float_equal(m->metallic, k ? 0 : 0.75, 1e-6);
+        assert_float_equal(m->base_color.r, 0.9, 1e-6);
+        assert_mentions(f->log, k ? "reflectivity" : "how rough the metal is");
+        rsv_scene_destroy(scene);
+    }
+}
+
 /// The count of an array is what it holds, whatever it says.
 static void collada_arrays_hold_what_stands_in_them(void **state)
 {
@@ -586,6 +653,65 @@ static void fbx_cameras_without_a_field_of_view_see_something(void **state)
     }
 }
 
+/// A material of Phong's is one, whatever roughness the importer makes of its shininess; Blender's stands for a Principled BSDF.
+static void fbx_of_blender_is_read_as_blender_means_it(void **state)
+{
+    static const char layer[] = "  LayerElementMaterial: 0 {\n"
+                                "   Version: 101\n"
+                                "   Name: \"\"\n"
+                                "   MappingInformationType: \"AllSame\"\n"
+                                "   ReferenceInformationType: \"IndexToDirect\"\n"
+                                "   Materials: *1 {\n"
+                                "    a: 0\n"
+                                "   }\n"
+                                "  }\n"
+                                "  Layer: 0 {\n"
+                                "   Version: 100\n"
+                                "   LayerElement:  {\n"
+                                "    Type: \"LayerElementMaterial\"\n"
+                                "    TypedIndex: 0\n"
+                                "   }\n"
+                                "  }\n";
+    static const char paint[] = " Material: 5, \"Material::paint\", \"\" {\n"
+                                "  Version: 102\n"
+                                "  ShadingModel: \"phong\"\n"
+                                "  MultiLayer: 0\n"
+                                "  Properties70: {\n"
+                                "   P: \"DiffuseColor\", \"Color\", \"\", \"A\",0.5,0.25,0.125\n"
+                                "   P: \"DiffuseFactor\", \"Number\", \"\", \"A\",1\n"
+                                "   P: \"SpecularColor\", \"Color\", \"\", \"A\",0.5,0.5,0.5\n"
+                                "   P: \"SpecularFactor\", \"Number\", \"\", \"A\",1\n"
+                                "   P: \"ShininessExponent\", \"Number\", \"\", \"A\",20\n"
+                                "   P: \"ReflectionFactor\", \"Number\", \"\", \"A\",0.5\n"
+                                "  }\n"
+                                " }\n";
+    static const char *const creators[] = { "any", "Blender (stable FBX IO) - 3.4.1 - 4.37.1" };
+    fixture *f = *state;
+    for (int k = 0; k < 2; k++) {
+        size_t bytes;
+        rsv_scene_destroy(load_fbx_light(f, creators[k], 1, ""));
+        char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
+        text[bytes] = '\0';
+        char *lamp = strstr(text, " }\n NodeAttribute: 10"),
+             *end = strstr(text, "}\nConnections: {\n");
+        assert_true(lamp && end);
+        FILE *file = fopen(path_in(&files, "b.fbx"), "w");
+        fprintf(file, "%.*s%s%.*s%s}\nConnections: {\n C: \"OO\",5,2\n%s", (int)(lamp - text), text,
+            layer, (int)(end - lamp), lamp, paint, end + strlen("}\nConnections: {\n"));
+        fclose(file);
+        free(text);
+        rsv_scene *scene = load(f, "b.fbx");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        const rsv_material *m = &view->material[view->triangle_material[0]];
+        assert_string_equal(m->name, "paint");
+        assert_float_equal(m->roughness, k ? 1 - sqrt(0.2) : pow(2 / 22.0, 0.25), 1e-5);
+        assert_float_equal(m->metallic, k ? 0.5 : 0, 1e-6);
+        assert_float_equal(m->specular, k ? 1 : 0.5, 1e-6);
+        assert_float_equal(m->ior, k ? (1 + sqrt(0.08)) / (1 - sqrt(0.08)) : 1.5, 1e-5);
+        rsv_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, enter, leave)
@@ -596,6 +722,10 @@ int main(void)
         CASE(collada_spots_end_where_they_say),
         CASE(every_light_of_a_node_shines_and_ambient_ones_are_named),
         CASE(collada_cameras_see_what_they_say),
+        CASE(fbx_of_blender_is_read_as_blender_means_it),
+        CASE(shifts_of_films_are_named),
+        CASE(fbx_tells_of_shifted_films),
+        CASE(metals_of_blender_in_collada_are_metals),
         CASE(collada_names_what_is_not_there_or_not_used),
         CASE(collada_names_elements_that_nobody_knows),
         CASE(collada_arrays_hold_what_stands_in_them),

@@ -115,11 +115,20 @@ static void light_of_a_shaded_bulb_is_what_is_path_traced(void **state)
         v.count = v.places = 0;
         desc.map_size = 96;
         desc.visitor = &visitor;
-        assert_int_equal(rsv_bake(light, target[k], path_in(&files, "a.glb"), &desc, NULL), RSV_OK);
+        desc.judged = WANTED;
+        rsv_bake_report report = { 0 };
+        assert_int_equal(
+            rsv_bake(light, target[k], path_in(&files, "a.glb"), &desc, &report), RSV_OK);
         size_t count = find_errors(w->scene, &v, UNLESS_SANITIZED(1024, 64), error);
         print_message("%s: %zu values, median error %.4f, 90th percentile %.4f, 99th %.4f\n",
             target[k], count, (double)error[count / 2], (double)error[count * 9 / 10],
             (double)error[count * 99 / 100]);
+        print_message(
+            "as the bake says: %zu values, median error %.4f, 99th percentile %.4f, noise %.4f\n",
+            report.judged, report.error_median, report.error_99, report.error_noise);
+        assert_true(report.judged > WANTED / 2);
+        if (k == 0) assert_true(report.error_noise < 0.001 && report.error_median < 0.01);
+        assert_true(report.error_99 > report.error_median);
         assert_true(count > WANTED / 2);
         assert_true(error[count / 2] < 0.01f);
         assert_true(error[count * 9 / 10] < UNLESS_SANITIZED(0.02f, 0.05f));

@@ -991,7 +991,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
         cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
-        cmocka_unit_test(wrong_caustics_of_a_picture_are_found),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
@@ -1012,6 +1011,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(sensors_are_goals_as_cameras_are),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(wrong_caustics_of_a_picture_are_found),
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(estimates_fall_as_errors_do),
         cmocka_unit_test(a_target_is_not_reached_by_luck),

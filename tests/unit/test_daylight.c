@@ -699,10 +699,10 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(hours_are_those_of_the_path_tracer),
-        cmocka_unit_test(skies_behind_panes_are_those_of_the_path_tracer),
         cmocka_unit_test(room_is_that_of_radiance),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(skies_behind_panes_are_those_of_the_path_tracer),
         cmocka_unit_test(scenes_may_be_turned),
         cmocka_unit_test(frosted_panes_spread_the_sky),
         cmocka_unit_test(diffusing_panes_spread_the_sky),

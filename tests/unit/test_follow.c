@@ -395,6 +395,65 @@ static void other_scenes_are_refused(void **state)
     close_stage(&s);
 }
 
+/// A sheet of two triangles folded along their common edge, whose normals all stay upright, above a floor and below a lamp.
+/// @param fold radians; beyond a quarter turn the second triangle looks down, away from its normals
+static rsv_scene *fold_sheet(rsv_context *context, float fold, bool deforms)
+{
+    const rsv_vec3 sheet[4] = { { 0, 1, -1 }, { 0, 1, 1 }, { -1, 1, 0 },
+        { cosf(fold), 1 + sinf(fold), 0 } };
+    const rsv_vec3 floor[4] = { { -3, 0, -3 }, { -3, 0, 3 }, { 3, 0, 3 }, { 3, 0, -3 } };
+    const rsv_vec3 up[4] = { { 0, 1, 0 }, { 0, 1, 0 }, { 0, 1, 0 }, { 0, 1, 0 } };
+    const uint32_t folded[6] = { 0, 2, 1, 0, 1, 3 }, flat[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_mesh_desc mesh[2] = {
+        { .positions = floor, .vertex_count = 4, .indices = flat, .triangle_count = 2 },
+        { .positions = sheet,
+            .normals = up,
+            .vertex_count = 4,
+            .indices = folded,
+            .triangle_count = 2,
+            .deforms = deforms }
+    };
+    rsv_material paint = rsv_default_material();
+    const rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
+        .position = { 1, 4, 1 },
+        .intensity = { 9, 9, 9 } };
+    rsv_scene *scene = NULL;
+    paint.double_sided = true;
+    assert_int_equal(rsv_scene_create(context, &scene), RSV_OK);
+    assert_int_equal(rsv_scene_add_material(scene, &paint, NULL), RSV_OK);
+    assert_int_equal(rsv_scene_add_light(scene, &lamp), RSV_OK);
+    for (uint32_t k = 0; k < 2; k++) {
+        assert_int_equal(rsv_scene_add_mesh(scene, &mesh[k], NULL), RSV_OK);
+        assert_int_equal(rsv_scene_add_instance(scene, k, NULL, NULL), RSV_OK);
+    }
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    return scene;
+}
+
+/// Meshes that deform are followed to poses in which other normals turn away from their triangles.
+static void meshes_that_deform_are_followed(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-blocks", "short block");
+    rsv_solve_desc desc = small_desc();
+    for (int deforms = 0; deforms < 2; deforms++) {
+        rsv_scene *open = fold_sheet(s.context, 0.3f, deforms),
+                  *shut = fold_sheet(s.context, 2.5f, deforms);
+        rsv_light *light = solve(open, &desc), *anew = solve(shut, &desc);
+        rsv_status status = rsv_light_follow(light, shut, NULL);
+        assert_int_equal(status, deforms ? RSV_OK : RSV_ERROR_UNSUPPORTED);
+        double then = mean_below(anew, 0.1f), now = mean_below(light, 0.1f);
+        if (deforms && !(fabs(now - then) < 0.02 * then))
+            fail_msg("%g where a solve finds %g", now, then);
+        rsv_light_destroy(light);
+        rsv_light_destroy(anew);
+        rsv_scene_destroy(open);
+        rsv_scene_destroy(shut);
+    }
+    close_stage(&s);
+}
+
 /// Whether a light would follow a motion, as far as the scene is concerned.
 static rsv_status compare_moved(const stage *s, rsv_motion motion)
 {
@@ -450,6 +509,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(light_is_that_of_solves),
         cmocka_unit_test(lamps_that_move_take_their_light_along),
         cmocka_unit_test(other_scenes_are_refused),
+        cmocka_unit_test(meshes_that_deform_are_followed),
         cmocka_unit_test(translucent_bodies_keep_their_shape),
         cmocka_unit_test(objects_may_go_through_walls),
     };

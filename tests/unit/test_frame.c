@@ -229,7 +229,8 @@ static void each_eye_has_a_picture_of_its_own(void **state)
 
 // ---- reused light of rough lobes ----------------------------------------------------------------
 
-/// Mean radiance of some frames from a camera that moves to and fro.
+/// Mean radiance of some frames from a camera that moves to and fro. @param gloss of paths: in four places of each pixel, as
+/// frames of reused light take them in turn
 static double mean_of_flight(rsv_light *solution, const world *w, rsv_frame_gloss gloss, int frames)
 {
     static rsv_rgb radiance[pixel_count];
@@ -240,7 +241,7 @@ static double mean_of_flight(rsv_light *solution, const world *w, rsv_frame_glos
     double sum = 0;
     for (int k = 0; k < frames; k++) {
         view.camera[0].position.x = 1e-3f * (float)(k % 48 + 1);
-        render_frames(renderer, &view, 1);
+        render_frames(renderer, &view, gloss == RSV_GLOSS_PATHS ? 4 : 1);
         rsv_frame_radiance(renderer, 0, radiance);
         for (size_t i = 0; i < pixel_count; i++) {
             assert_true(isfinite(radiance[i].r + radiance[i].g + radiance[i].b));
@@ -256,7 +257,7 @@ static void reused_light_has_the_same_mean(void **state)
     (void)state;
     world *w = mixed_world(false);
     rsv_light *solution = solve(w);
-    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 48);
+    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 24);
     double reused = mean_of_flight(solution, w, RSV_GLOSS_REUSED, 48);
     assert_close(reused, paths, 0.01 * paths);
     rsv_light_destroy(solution);
@@ -292,7 +293,7 @@ static void metals_show_each_other(void **state)
     (void)state;
     world *w = facing_metals();
     rsv_light *solution = solve(w);
-    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 48);
+    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 24);
     double reused = mean_of_flight(solution, w, RSV_GLOSS_REUSED, 384);
     print_message("    reused %.4f, paths %.4f\n", reused, paths);
     assert_close(reused, paths, 0.02 * paths);
@@ -406,11 +407,13 @@ static void reused_light_goes_with_its_source(void **state)
 
 /// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
 /// The mean of all channels of a moving frame's light, refreshed before each frame or not.
-static uint64_t hash_of_refreshed(rsv_light *solution, const world *w, bool refreshed)
+static uint64_t hash_of_refreshed(
+    rsv_light *solution, const world *w, rsv_instructions instructions, bool refreshed)
 {
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w);
     desc.gloss = RSV_GLOSS_REUSED;
+    desc.instructions = instructions;
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     for (int k = 0; k < 12; k++) {
         view.camera[0].position.x = 1e-3f * (float)k;
@@ -422,13 +425,15 @@ static uint64_t hash_of_refreshed(rsv_light *solution, const world *w, bool refr
     return hash;
 }
 
-/// Light that has not changed is not dropped.
+/// Light that has not changed is not dropped, and frames on the way do not depend on the instructions.
 static void reused_light_stays_with_its_sources(void **state)
 {
     (void)state;
     world *w = mixed_world(false);
     rsv_light *solution = solve(w);
-    assert_true(hash_of_refreshed(solution, w, true) == hash_of_refreshed(solution, w, false));
+    uint64_t hash = hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_BEST, false);
+    assert_true(hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_BEST, true) == hash);
+    assert_true(hash_of_refreshed(solution, w, RSV_INSTRUCTIONS_PORTABLE, false) == hash);
     rsv_light_destroy(solution);
     world_end(w);
 }
@@ -453,6 +458,61 @@ static void tracing_alone_leaves_reused_light_as_it_was(void **state)
         rsv_frame_renderer_destroy(renderer);
     }
     assert_memory_equal(measured, plain, sizeof plain);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
+/// Mean square of differences between pixels, over the square of their mean.
+static double pixel_error(const rsv_rgb *a, const rsv_rgb *truth)
+{
+    double squares = 0, sum = 0;
+    for (size_t k = 0; k < pixel_count; k++) {
+        double difference = (double)a[k].g - (double)truth[k].g;
+        squares += difference * difference / pixel_count;
+        sum += (double)truth[k].g / pixel_count;
+    }
+    return squares / (sum * sum);
+}
+
+/// What a renderer shows of one view, after frames on the way there or none.
+static void show_after(
+    rsv_light *solution, const rsv_frame_view *view, int steps, float step, rsv_rgb *shown)
+{
+    rsv_frame_desc desc = frame_desc();
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view way = *view;
+    for (int k = steps; k >= 0; k--) {
+        way.camera[0].position.x = view->camera[0].position.x + step * (float)k;
+        render_frames(renderer, &way, 1);
+    }
+    rsv_frame_radiance(renderer, 0, shown);
+    rsv_frame_renderer_destroy(renderer);
+}
+
+/// Edges of moving frames are means over their pixels, in place and without trails; those after a jump are no worse than
+/// first ones.
+static void moving_edges_are_smooth(void **state)
+{
+    (void)state;
+    static rsv_rgb truth[pixel_count], shown[pixel_count];
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    rsv_frame_view view = view_of(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *judge = begin_frames(solution, &desc);
+    render_frames(judge, &view, 512);
+    rsv_frame_radiance(judge, 0, truth);
+    show_after(solution, &view, 0, 0, shown);
+    double first = pixel_error(shown, truth);
+    show_after(solution, &view, 16, 0.003f, shown);
+    double moving = pixel_error(shown, truth);
+    show_after(solution, &view, 1, 1, shown);
+    double jump = pixel_error(shown, truth);
+    print_message("    first %.2g, moving %.2g, after a jump %.2g\n", first, moving, jump);
+    assert_true(moving < 0.6 * first);
+    assert_true(jump < 1.1 * first);
+    rsv_frame_renderer_destroy(judge);
     rsv_light_destroy(solution);
     world_end(w);
 }
@@ -643,6 +703,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(reused_light_goes_with_its_source),
         cmocka_unit_test(reused_light_stays_with_its_sources),
         cmocka_unit_test(tracing_alone_leaves_reused_light_as_it_was),
+        cmocka_unit_test(moving_edges_are_smooth),
         cmocka_unit_test(reused_light_fits_windows_of_one_pixel),
     };
     return RUN_HALF(argc, argv, quick, slow);

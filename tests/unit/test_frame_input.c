@@ -279,11 +279,13 @@ int main(int argc, char **argv)
         cmocka_unit_test(roughness_may_be_no_number),
         cmocka_unit_test(normals_may_point_below_the_surface),
         cmocka_unit_test(mirrors_may_face_each_other),
-        cmocka_unit_test(the_camera_may_be_inside_an_object),
         cmocka_unit_test(there_may_be_a_thousand_lamps),
         cmocka_unit_test(windows_may_be_of_any_size),
         cmocka_unit_test(frames_may_be_made_smaller),
     };
-    const struct CMUnitTest longest[] = { cmocka_unit_test(a_room_may_be_all_metal) };
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(the_camera_may_be_inside_an_object),
+        cmocka_unit_test(a_room_may_be_all_metal),
+    };
     return RUN_HALF(argc, argv, quick, longest);
 }

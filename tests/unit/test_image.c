@@ -757,16 +757,149 @@ static void jpeg_is_decoded_from_srgb(void **state)
     rsv_image_destroy(image);
 }
 
+// ---- TGA, BMP and GIF ----
+
+/// Red, green | blue, white.
+static const uint8_t four_colors[4][3] = { { 255, 0, 0 }, { 0, 255, 0 }, { 0, 0, 255 },
+    { 255, 255, 255 } };
+
+/// Lines that run as `descriptor` says: 0x20 from the top, 0x10 from the right. @param packed in runs of one pixel
+static size_t make_tga(uint8_t file[64], int descriptor, bool packed)
+{
+    const uint8_t header[18] = {
+        [2] = packed ? 10 : 2, [12] = 2, [14] = 2, [16] = 24, [17] = (uint8_t)descriptor
+    };
+    uint8_t *end = (uint8_t *)memcpy(file, header, 18) + 18;
+    for (int i = 0; i < 4; i++) {
+        int y = descriptor & 0x20 ? i / 2 : 1 - i / 2, x = descriptor & 0x10 ? 1 - i % 2 : i % 2;
+        if (packed) *end++ = 0x80;
+        for (int c = 2; c >= 0; c--)
+            *end++ = four_colors[2 * y + x][c];
+    }
+    return (size_t)(end - file);
+}
+
+static size_t make_bmp(uint8_t file[80])
+{
+    const uint8_t header[54] = { 'B', 'M',
+        70, [10] = 54, [14] = 40, [18] = 2, [22] = 2, [26] = 1, [28] = 24 };
+    uint8_t *end = (uint8_t *)memcpy(file, header, 54) + 54;
+    for (int y = 1; y >= 0; y--, end += 2)
+        for (int i = 0; i < 6; i++)
+            *end++ = four_colors[2 * y + i / 3][2 - i % 3];
+    memset(end - 2, 0, 2);
+    return (size_t)(end - file);
+}
+
+/// Codes of three bits: clear, 0, 1, 2, and of four: 3, end. @param frames the same picture that many times
+static size_t make_gif(uint8_t file[128], int frames)
+{
+    const uint8_t header[13] = { 'G', 'I', 'F', '8', '9', 'a', 2, 0, 2, 0, 0x81 };
+    const uint8_t frame[] = { 0x2c, 0, 0, 0, 0, 2, 0, 2, 0, 0, 2, 3, 0x44, 0x34, 0x05, 0 };
+    uint8_t *end = (uint8_t *)memcpy(file, header, 13) + 13;
+    end = (uint8_t *)memcpy(end, four_colors, 12) + 12;
+    for (int k = 0; k < frames; k++)
+        end = (uint8_t *)memcpy(end, frame, sizeof frame) + sizeof frame;
+    *end++ = 0x3b;
+    return (size_t)(end - file);
+}
+
+static void expect_four_colors(const char *path)
+{
+    rsv_image *image = read_image(path);
+    assert_int_equal(rsv_image_width(image), 2);
+    assert_int_equal(rsv_image_height(image), 2);
+    for (int i = 0; i < 4; i++) {
+        rsv_rgb found = rsv_image_pixels(image, 0)[i];
+        if (found.r != (float)(four_colors[i][0] / 255) ||
+            found.g != (float)(four_colors[i][1] / 255) ||
+            found.b != (float)(four_colors[i][2] / 255))
+            fail_msg("%s, pixel %d: %g %g %g", path, i, (double)found.r, (double)found.g,
+                (double)found.b);
+    }
+    rsv_image_destroy(image);
+}
+
+static void tga_bmp_and_gif_are_read(void **state)
+{
+    (void)state;
+    uint8_t file[128];
+    for (int k = 0; k < 8; k++) {
+        size_t size = make_tga(file, (k & 3) << 4, k & 4);
+        write_bytes(path_of("four.tga"), file, size);
+        expect_four_colors(path_of("four.tga"));
+    }
+    write_bytes(path_of("four.bmp"), file, make_bmp(file));
+    expect_four_colors(path_of("four.bmp"));
+    write_bytes(path_of("four.gif"), file, make_gif(file, 1));
+    expect_four_colors(path_of("four.gif"));
+}
+
+static void frames_of_gif_are_named(void **state)
+{
+    (void)state;
+    uint8_t file[128];
+    rsv_context *talkative;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.log = keep_log;
+    assert_int_equal(rsv_context_create(&desc, &talkative), RSV_OK);
+    logged[0] = '\0';
+    for (int frames = 1; frames <= 2; frames++) {
+        rsv_image *image;
+        assert_string_equal(logged, "");
+        write_bytes(path_of("frames.gif"), file, make_gif(file, frames));
+        assert_int_equal(rsv_image_read(talkative, path_of("frames.gif"), &image), RSV_OK);
+        rsv_image_destroy(image);
+    }
+    assert_non_null(strstr(logged, "only the first of its frames is used"));
+    rsv_context_destroy(talkative);
+}
+
+static void announced_pixels_that_no_file_holds_are_refused(void **state)
+{
+    (void)state;
+    uint8_t file[128];
+    size_t size = make_tga(file, 0x20, false);
+    memcpy(file + 12, "\xff\xff\xff\xff", 4);
+    write_bytes(path_of("wide.tga"), file, size);
+    expect_failure(path_of("wide.tga"), RSV_ERROR_FORMAT, "as TGA it would have");
+    size = make_bmp(file);
+    memcpy(file + 18, "\xff\xff\xff\x7f\xff\xff\xff\x7f", 8);
+    write_bytes(path_of("wide.bmp"), file, size);
+    expect_failure(path_of("wide.bmp"), RSV_ERROR_FORMAT, "2147483647 x 2147483647");
+    size = make_gif(file, 1);
+    memcpy(file + 6, "\xff\xff\xff\xff", 4);
+    write_bytes(path_of("wide.gif"), file, size);
+    expect_failure(path_of("wide.gif"), RSV_ERROR_FORMAT, "65535 x 65535");
+}
+
 // ---- hostile input ----
 
-static const char *const sample_names[] = { "s.exr", "s.hdr", "s.png", "s.jpg" };
+static const char *const sample_names[] = { "s.exr", "s.hdr", "s.png", "s.jpg", "s.tga", "p.tga",
+    "s.bmp", "s.gif" };
+enum { OWN_SAMPLES = 3, SAMPLES = sizeof sample_names / sizeof *sample_names };
+
+static size_t make_foreign_sample(int i, uint8_t file[256])
+{
+    switch (i) {
+    case 3:
+        return make_jpeg(file);
+    case 4:
+    case 5:
+        return make_tga(file, 0x20, i == 5);
+    case 6:
+        return make_bmp(file) - 2; // without the padding behind the last line
+    default:
+        return make_gif(file, 1) - 2; // without the empty block and the end
+    }
+}
 
 static uint8_t *make_sample(int i, size_t *size)
 {
     const char *path = path_of(sample_names[i]);
-    if (i == 3) {
+    if (i >= OWN_SAMPLES) {
         uint8_t file[256];
-        write_bytes(path, file, make_jpeg(file));
+        write_bytes(path, file, make_foreign_sample(i, file));
     } else {
         rsv_image *image = make_image(29, 40, 2);
         assert_int_equal(rsv_image_write(image, path, 0), RSV_OK);
@@ -778,7 +911,7 @@ static uint8_t *make_sample(int i, size_t *size)
 static void truncated_files_are_refused(void **state)
 {
     (void)state;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < SAMPLES; i++) {
         size_t size;
         uint8_t *bytes = make_sample(i, &size);
         for (size_t part = 0; part < 16; part++) {
@@ -845,7 +978,7 @@ static void png_that_ends_within_a_chunk_is_refused(void **state)
 static void damaged_files_do_no_harm(void **state)
 {
     (void)state;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < SAMPLES; i++) {
         size_t size;
         uint8_t *bytes = make_sample(i, &size);
         hash_state = 11;
@@ -887,7 +1020,8 @@ static void missing_and_unknown_files_are_named(void **state)
 {
     (void)state;
     expect_failure(path_of("none.exr"), RSV_ERROR_IO, "No such file or directory");
-    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED, ".exr, .hdr, .png, .jpg or .webp");
+    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED,
+        ".exr, .hdr, .png, .jpg, .webp, .tga, .bmp or .gif");
     expect_failure(folder, RSV_ERROR_UNSUPPORTED, ".exr");
     assert_int_equal(mkdir(path_of("f.exr"), 0777), 0);
     expect_failure(path_of("f.exr"), RSV_ERROR_IO, "not a regular file");
@@ -1144,6 +1278,9 @@ int main(void)
         IMAGE_TEST(srgb_matches_its_definition),
         IMAGE_TEST(png_with_16_bits_is_read_with_16_bits),
         IMAGE_TEST(png_chunks_that_are_not_used_are_named),
+        IMAGE_TEST(tga_bmp_and_gif_are_read),
+        IMAGE_TEST(frames_of_gif_are_named),
+        IMAGE_TEST(announced_pixels_that_no_file_holds_are_refused),
         IMAGE_TEST(jpeg_is_decoded_from_srgb),
         IMAGE_TEST(truncated_files_are_refused),
         IMAGE_TEST(jpeg_with_an_oversized_huffman_table_is_refused),

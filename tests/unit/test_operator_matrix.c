@@ -31,6 +31,30 @@ static void end(subject *s)
     world_end(s->w);
 }
 
+/// What several tests look at and leave as it is.
+typedef struct subjects {
+    subject furnace, blocks, marble;
+} subjects;
+
+static int begin_all(void **state)
+{
+    static subjects all;
+    all.furnace = begin("furnace");
+    all.blocks = begin("cornell-blocks");
+    all.marble = begin("cornell-marble");
+    *state = &all;
+    return 0;
+}
+
+static int end_all(void **state)
+{
+    subjects *all = *state;
+    end(&all->furnace);
+    end(&all->blocks);
+    end(&all->marble);
+    return 0;
+}
+
 /// image = factor * field of one channel.
 static double *multiply(
     const subject *s, rsv_operator_factor factor, uint32_t channel, double *field)
@@ -66,9 +90,8 @@ static double *multiply_all(
     return multiply(s, RSV_FACTOR_INTERPOLATION, channel, field);
 }
 
-static void check_factors(const char *scene)
+static void check_factors(subject s)
 {
-    subject s = begin(scene);
     rsv_element *element = calloc(s.count, sizeof *element);
     rsv_rgb *field = calloc(s.count, sizeof *field), *image = calloc(s.count, sizeof *image);
     assert_true(element && field && image);
@@ -92,32 +115,27 @@ static void check_factors(const char *scene)
         free(own);
     }
     free(element), free(field), free(image);
-    end(&s);
 }
 
-static void factors_make_the_operator(void **state)
-{
-    (void)state;
-    check_factors("cornell-blocks");
-}
+static void factors_make_the_operator(void **state) { check_factors(((subjects *)*state)->blocks); }
 
 static void factors_make_it_where_glass_is_coloured(void **state)
 {
     (void)state;
-    check_factors("cornell-glass");
+    subject s = begin("cornell-glass");
+    check_factors(s);
+    end(&s);
 }
 
 static void factors_make_it_where_light_diffuses(void **state)
 {
-    (void)state;
-    check_factors("cornell-marble");
+    check_factors(((subjects *)*state)->marble);
 }
 
 /// What a probe reads of the field whose values are the nodes' own coordinates is its place: hats are linear.
 static void elements_around_probes_are_where_these_are(void **state)
 {
-    (void)state;
-    subject s = begin("furnace");
+    subject s = ((subjects *)*state)->furnace;
     enum { COUNT = 500 };
     rsv_element *element = calloc(s.count, sizeof *element);
     static rsv_probe probe[COUNT];
@@ -142,14 +160,48 @@ static void elements_around_probes_are_where_these_are(void **state)
         assert_close(v3_length(v3_sub(place, probe[k].position)), 0, 1e-4);
     }
     free(element);
-    end(&s);
+}
+
+/// A point of a triangle is where the weighted places of the elements around it are; sides that reflect nothing have none.
+static void elements_around_points_of_triangles_are_where_these_are(void **state)
+{
+    subject s = ((subjects *)*state)->furnace;
+    const rsv_scene_view *view = rsv_scene_get_view(s.w->scene);
+    rsv_element *element = calloc(s.count, sizeof *element);
+    assert_non_null(element);
+    assert_int_equal(rsv_operator_elements(s.op, element), RSV_OK);
+    rsv_random random = rsv_random_from(7, 8, 9);
+    uint32_t found = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++)
+        for (int k = 0; k < 20; k++) {
+            float a = sqrtf(rsv_random_float(&random)), b = rsv_random_float(&random);
+            float u = a * (1 - b), v = a * b;
+            rsv_element_weights around;
+            assert_false(rsv_operator_locate(s.op, t, u, v, true, &around)); // single-sided
+            if (!rsv_operator_locate(s.op, t, u, v, false, &around)) continue;
+            const uint32_t *corner = view->triangle[t];
+            rsv_vec3 place = v3_scale(view->position[corner[0]], 1 - u - v), mean = v3(0, 0, 0);
+            place =
+                v3_mad(v3_mad(place, u, view->position[corner[1]]), v, view->position[corner[2]]);
+            float sum = 0;
+            for (int i = 0; i < 3; i++) {
+                mean = v3_mad(mean, around.weight[i], element[around.element[i]].position);
+                sum += around.weight[i];
+                assert_true(around.weight[i] >= 0);
+                assert_false(element[around.element[i]].back_side);
+            }
+            assert_close(sum, 1, 1e-5);
+            assert_close(v3_length(v3_sub(mean, place)), 0, 1e-4);
+            found++;
+        }
+    assert_true(found > 10 * view->triangle_count);
+    free(element);
 }
 
 /// <y, G K x> = <(G K)* y, x>, whatever y is at elements that hang.
 static void the_transposed_operator_is_the_adjoint(void **state)
 {
-    (void)state;
-    subject s = begin("cornell-marble");
+    subject s = ((subjects *)*state)->marble;
     rsv_rgb *x = calloc(s.count, sizeof *x), *y = calloc(s.count, sizeof *y);
     rsv_rgb *ax = calloc(s.count, sizeof *ax), *ay = calloc(s.count, sizeof *ay);
     assert_true(x && y && ax && ay);
@@ -166,13 +218,11 @@ static void the_transposed_operator_is_the_adjoint(void **state)
     }
     assert_close(left, right, 1e-4 * right);
     free(x), free(y), free(ax), free(ay);
-    end(&s);
 }
 
 static void wrong_requests_are_refused(void **state)
 {
-    (void)state;
-    subject s = begin("cornell-blocks");
+    subject s = ((subjects *)*state)->blocks;
     rsv_sparse_matrix *m = NULL;
     assert_int_equal(rsv_operator_matrix(s.op, RSV_FACTOR_PROPAGATION, 3, &m), RSV_ERROR_ARGUMENT);
     assert_int_equal(rsv_operator_matrix(s.op, (rsv_operator_factor)17, 0, &m), RSV_ERROR_ARGUMENT);
@@ -181,13 +231,11 @@ static void wrong_requests_are_refused(void **state)
     assert_int_equal(rsv_operator_locate_probes(s.op, &probe, 1, &around), RSV_ERROR_ARGUMENT);
     assert_null(m);
     rsv_sparse_matrix_destroy(NULL);
-    end(&s);
 }
 
 static void memory_that_runs_out_is_an_error(void **state)
 {
-    (void)state;
-    subject s = begin("cornell-marble");
+    subject s = ((subjects *)*state)->marble;
     for (int factor = RSV_FACTOR_INTERPOLATION; factor <= RSV_FACTOR_CLUSTERS; factor++) {
         rsv_status status = RSV_ERROR_MEMORY;
         for (long left = 0; status != RSV_OK; left++) {
@@ -201,7 +249,6 @@ static void memory_that_runs_out_is_an_error(void **state)
             rsv_sparse_matrix_destroy(m);
         }
     }
-    end(&s);
 }
 
 int main(void)
@@ -211,9 +258,10 @@ int main(void)
         cmocka_unit_test(factors_make_it_where_glass_is_coloured),
         cmocka_unit_test(factors_make_it_where_light_diffuses),
         cmocka_unit_test(elements_around_probes_are_where_these_are),
+        cmocka_unit_test(elements_around_points_of_triangles_are_where_these_are),
         cmocka_unit_test(the_transposed_operator_is_the_adjoint),
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(memory_that_runs_out_is_an_error),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, begin_all, end_all);
 }

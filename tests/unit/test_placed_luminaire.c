@@ -5,6 +5,7 @@
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
+#include "slow_tests.h"
 #include "sources/polygon_irradiance.h"
 #include "sources/punctual_light.h"
 
@@ -471,9 +472,9 @@ static void what_no_scene_can_hold_is_refused(void **state)
     rsv_scene_destroy(scene);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test_setup_teardown(
             flux_on_a_sphere_is_that_of_the_file, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
@@ -481,13 +482,15 @@ int main(void)
         cmocka_unit_test_setup_teardown(
             light_is_reflected_by_mirrors, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(relighting_dims_and_aims, fixture_setup, fixture_teardown),
-        cmocka_unit_test_setup_teardown(
-            any_number_of_lights_is_relit, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(files_keep_luminaires, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             lights_and_objects_are_found_by_name, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             what_no_scene_can_hold_is_refused, fixture_setup, fixture_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test_setup_teardown(
+            any_number_of_lights_is_relit, fixture_setup, fixture_teardown),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -5,6 +5,7 @@
 #include "light_fixture.h"
 #include "light_view.h"
 #include "scene/scene.h"
+#include "slow_tests.h"
 #include "sources/lights_internal.h"
 
 static rsv_scene *own_scene(world *w) { return w->scene; }
@@ -989,9 +990,9 @@ static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(moving_one_light_leaves_the_parts_of_others_alone),
         cmocka_unit_test(going_back_ends_where_it_began),
         cmocka_unit_test(walls_that_absorb_nothing_are_refused_and_change_nothing),
@@ -1007,7 +1008,6 @@ int main(void)
         cmocka_unit_test(textures_stay_under_changed_colors),
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
-        cmocka_unit_test(moved_caustics_are_as_sharp_as_fresh_ones),
         cmocka_unit_test(only_the_last_change_counts),
         cmocka_unit_test(lights_on_the_move_are_near_those_at_rest),
         cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),
@@ -1018,5 +1018,8 @@ int main(void)
         cmocka_unit_test(prepared_strengths_are_right_at_once),
         cmocka_unit_test(what_cannot_move_is_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(moved_caustics_are_as_sharp_as_fresh_ones),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

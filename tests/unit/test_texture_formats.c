@@ -75,6 +75,32 @@ static void assert_left_out(fixture *f, const char *path, const char *mentioned)
     rsv_scene_destroy(scene);
 }
 
+/// It has the normals of what it covers, which is not what the format says of either case.
+static void coats_over_normal_maps_are_named(void **state)
+{
+    static const char *const coats[][2] = { { "\"clearcoatFactor\":1",
+                                                "its clear coat should be smooth" },
+        { "\"clearcoatFactor\":1,\"clearcoatNormalTexture\":{\"index\":0}",
+            "clearcoatNormalTexture is ignored" },
+        { "\"clearcoatFactor\":0", NULL } };
+    fixture *f = *state;
+    folder place = new_folder();
+    write_bytes(path_in(&place, "a.png"), "", 0);
+    for (size_t k = 0; k < sizeof coats / sizeof *coats; k++) {
+        char material[512];
+        snprintf(material, sizeof material,
+            "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{%s}}",
+            coats[k][0]);
+        f->log[0] = '\0';
+        rsv_scene_destroy(load(f, write_textured(&place, material, IMAGE("a.png"))));
+        if (coats[k][1])
+            assert_mentions(f->log, coats[k][1]);
+        else
+            assert_null(strstr(f->log, "coat"));
+    }
+    remove_folder(place.path);
+}
+
 // ---- WebP ---------------------------------------------------------------------------------------------
 
 /// Two pixels: red and opaque, green and half transparent.
@@ -286,6 +312,88 @@ static void textures_of_obj_multiply_its_colours(void **state)
     remove_folder(place.path);
 }
 
+/// Grey pictures of roughness and metal say nothing of each other; the exponent's is that of its largest value.
+static void maps_of_obj_tell_roughness_metal_and_highlights(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    write_marks(f, &place);
+    const float grey = 128 / 255.0f;
+    rsv_scene *scene =
+        load(f, write_obj(&place, "Kd 1 1 1\nPr 0.5\nPm 1\nmap_Pr grey.png\nmap_Pm grey.png\n"));
+    assert_float_equal(half_of(scene, 0).roughness, 0, 1e-3);
+    assert_float_equal(half_of(scene, 1).roughness, 0.5f * grey, 1e-3);
+    assert_float_equal(half_of(scene, 1).metallic, grey, 1e-3);
+    rsv_scene_destroy(scene);
+    scene = load(f, write_obj(&place, "Kd 1 1 1\nKs 1 1 1\nNs 200\nmap_Ns grey.png\n"));
+    assert_float_equal(half_of(scene, 0).roughness, 1, 1e-3);
+    assert_float_equal(half_of(scene, 1).roughness, pow(2 / (200 * (double)grey + 2), 0.25), 2e-3);
+    rsv_scene_destroy(scene);
+    scene = load(f, write_obj(&place, "Kd 1 1 1\nNs 10\nmap_Ks marks.png\n"));
+    assert_color(half_of(scene, 1).specular_color, 0, 1, 0, 1e-3f);
+    assert_float_equal(half_of(scene, 1).specular, 1, 1e-6);
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+/// What Blender calls a bump map is a normal map; that of other programs holds heights.
+static void bump_maps_that_hold_normals_are_normal_maps(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    rsv_image *image;
+    write_marks(f, &place);
+    assert_int_equal(rsv_image_create(f->context, 1, 1, 1, &image), RSV_OK);
+    rsv_image_pixels(image, 0)[0] = rgb(0.2158605f, 0.2158605f, 1);
+    assert_int_equal(rsv_image_write(image, path_in(&place, "up.png"), 0), RSV_OK);
+    rsv_image_destroy(image);
+    rsv_scene *scene = load(f, write_obj(&place, "Kd 1 1 1\nmap_Bump -bm 0.5 up.png\n"));
+    assert_int_equal(paint_of(scene)->textures[0].role, RSV_TEXTURE_NORMAL);
+    assert_float_equal(paint_of(scene)->textures[0].scale, 0.5, 1e-6);
+    rsv_scene_destroy(scene);
+    assert_left_out(f, write_obj(&place, "Kd 1 1 1\nmap_Bump grey.png\n"),
+        "'grey.png' is left out: it holds heights, not normals");
+    remove_folder(place.path);
+}
+
+/// The sockets of a Principled BSDF, as the exporter turns them into Phong's terms: roughness 0.3, metallic 1 and 0.75,
+/// specular 0.5, which is an index of refraction of 1.5.
+static void obj_of_blender_is_read_as_blender_means_it(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    write_marks(f, &place);
+    static const char rest[] = "mtllib m.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+    static const char *const head[] = { "# Blender 3.4.1\n", "# Blender v2.93.0 OBJ File: ''\n" };
+    static const char *const shininess[] = { "Ns 490\n", "Ns 441\n" };
+    for (int k = 0; k < 2; k++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+            "%sKa 0.75 0.75 0.75\nKd 0.5 0.5 0.5\nKs 0.5 0.5 0.5\nillum 3\n", shininess[k]);
+        const char *path = write_obj(&place, text);
+        int length = snprintf(text, sizeof text, "%s%s", head[k], rest);
+        write_bytes(path, text, (size_t)length);
+        rsv_scene *scene = load(f, path);
+        assert_float_equal(paint_of(scene)->roughness, 0.3, 1e-5);
+        assert_float_equal(paint_of(scene)->metallic, 0.75, 1e-6);
+        assert_float_equal(paint_of(scene)->ior, 1.5, 1e-6);
+        assert_color(paint_of(scene)->base_color, 0.5f, 0.5f, 0.5f, 0);
+        rsv_scene_destroy(scene);
+        write_obj(&place, "illum 9\nNi 1.45\nd 0.5\nmap_Ns grey.png\nmap_refl grey.png\n"
+                          "map_Kd marks.png\n");
+        write_bytes(path, text, (size_t)length);
+        scene = load(f, path);
+        assert_float_equal(half_of(scene, 1).roughness, 128 / 255.0, 1e-3);
+        assert_float_equal(half_of(scene, 1).metallic, 128 / 255.0, 1e-3);
+        assert_color(half_of(scene, 1).base_color, 0, 1, 0, 1e-3f);
+        assert_float_equal(paint_of(scene)->opacity, 0.5, 0);
+        assert_float_equal(paint_of(scene)->transmission, 0, 0);
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
+}
+
 /// Paths of Windows, and of another computer, lead to the file of that name beside the scene.
 static void textures_are_found_beside_the_scene(void **state)
 {
@@ -312,8 +420,9 @@ static void textures_that_cannot_be_read_are_named(void **state)
     const char *path = write_obj(&place, "Kd 1 1 1\nmap_Kd torn.png\nmap_Ke none.png\n");
     assert_left_out(f, path, "material 'paint': its texture 'torn.png' is left out: cannot read");
     assert_mentions(f->log, "'none.png' is left out: there is no such file");
-    path = write_obj(&place, "Kd 1 1 1\nmap_Bump torn.png\nmap_Ns torn.png\n");
-    assert_left_out(f, path, "textures that are not used: bump, shininess");
+    path = write_obj(&place, "Kd 1 1 1\ndisp torn.png\nrefl torn.png\n");
+    assert_left_out(f, path, "textures that are not used: displacement");
+    assert_mentions(f->log, "statements that are not used: 'refl'");
     remove_folder(place.path);
 }
 
@@ -493,6 +602,10 @@ int main(void)
         TEST(sixteen_bits_are_not_rounded_to_eight),
         TEST(pictures_of_radiance_are_linear),
         TEST(textures_of_obj_multiply_its_colours),
+        TEST(coats_over_normal_maps_are_named),
+        TEST(maps_of_obj_tell_roughness_metal_and_highlights),
+        TEST(bump_maps_that_hold_normals_are_normal_maps),
+        TEST(obj_of_blender_is_read_as_blender_means_it),
         TEST(textures_are_found_beside_the_scene),
         TEST(textures_that_cannot_be_read_are_named),
         TEST(packed_views_are_unpacked),

@@ -284,11 +284,59 @@ static void probes_are_relit(void **state)
     rsv_rt_file_close(&file);
 }
 
+static float *read_probes(const open_box *b, bool packed, rsv_rt_file *file, rsv_rt_basis *basis)
+{
+    rsv_bake_desc desc = rsv_default_bake_desc();
+    desc.probe_spacing = 0.4f;
+    desc.basis = true;
+    desc.packed = packed;
+    desc.turns = TURNS;
+    if (rsv_bake_probes(b->solution, path_in(&b->place, "packed.json"), &desc, NULL))
+        fail_msg("%s", rsv_last_error());
+    if (rsv_rt_file_open(file, path_in(&b->place, "packed.light.safetensors")) ||
+        rsv_rt_file_basis(file, basis))
+        fail_msg("%s", file->message);
+    size_t bytes =
+        3 * (size_t)basis->light_count * basis->receiver_count * basis->value_count * sizeof(float);
+    return memcpy(malloc(bytes), basis->value, bytes);
+}
+
+/// Halves err by 2^-11 of a number at most; values of a basis of probes have both signs.
+static void a_packed_basis_is_the_same_but_for_rounding(void **state)
+{
+    open_box *b = *state;
+    rsv_rt_file file;
+    rsv_rt_basis plain, packed;
+    float *exact = read_probes(b, false, &file, &plain);
+    size_t size = file.size;
+    rsv_rt_file_close(&file);
+    float *rounded = read_probes(b, true, &file, &packed);
+    print_message("%zu bytes, packed %zu\n", size, file.size);
+    assert_true(file.size < size);
+    assert_int_equal(rsv_rt_file_find_turns(&file, &packed).count, TURNS);
+    size_t one = 3 * (size_t)plain.receiver_count * plain.value_count;
+    for (uint32_t l = 0; l < plain.light_count; l++) {
+        float most = 0;
+        for (size_t k = l * one; k < (l + 1) * one; k++)
+            most = f_max(most, fabsf(exact[k]));
+        for (size_t k = l * one; k < (l + 1) * one; k++)
+            assert_true(
+                fabsf(rounded[k] - exact[k]) <= 0x1p-11f * fabsf(exact[k]) + 0x1p-38f * most);
+    }
+    file.bytes[file.size - 40] ^= 0x55; // within the last light
+    assert_int_equal(rsv_rt_file_basis(&file, &packed), -1);
+    assert_non_null(strstr(file.message, "is damaged"));
+    rsv_rt_file_close(&file);
+    free(exact);
+    free(rounded);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_first_light_is_as_baked),
         cmocka_unit_test(probes_are_relit),
+        cmocka_unit_test(a_packed_basis_is_the_same_but_for_rounding),
         cmocka_unit_test(the_sky_at_a_baked_angle_is_relit_exactly),
         cmocka_unit_test(lights_and_a_turned_sky_add_up),
         cmocka_unit_test(between_angles_light_changes_evenly),

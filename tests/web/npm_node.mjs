@@ -51,6 +51,15 @@ for (let k = 0; k < 3000; k++) {
     if (Math.abs(results[0][k] - exact) > 1e-5 * (1 + exact)) { check(false, `receiver value ${k}`); break; }
 }
 
+// packed, it is the same but for the rounding of halves
+const small = (await readFile(process.argv[3])).buffer;
+const packed = (await LightBasis.create(await loadModule(), small)).relight([[1, 1, 1]]);
+check(packed.every((value, k) => Math.abs(value - baked[k]) <= 2 ** -11 * Math.abs(baked[k]) + 1e-9), "a packed basis");
+check(3 * small.byteLength < real.byteLength, `packed ${small.byteLength} bytes, plain ${real.byteLength}`);
+const damaged = small.slice();
+new Uint8Array(damaged)[damaged.byteLength - 40] ^= 0x55;
+await refuses(damaged, "damaged");
+
 await refuses(new ArrayBuffer(4), "cut off");
 await refuses(real.slice(0, real.byteLength / 2), "cut off");
 await refuses(new TextEncoder().encode("no such file at all").buffer, "cut off");

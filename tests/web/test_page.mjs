@@ -145,7 +145,7 @@ for (const [query, words, still] of [["", /here is a still picture/, true], ["?s
     await flat.close();
 }
 await slide(hill, "#compare", 0.5);
-await hill.waitForFunction(() => document.querySelector("#message").innerText.includes("hill.png is missing"), null, { timeout: 5000 });
+await hill.waitForFunction(() => document.querySelector("#message").innerText.includes("hill.png is missing"));
 test.check(await hill.locator("#still").isHidden(), "a still picture that is missing lies over the view");
 
 await test.close();

@@ -31,7 +31,7 @@ hill=(terraces:5000 --env "$page/scene/hill.hdr" --quality draft --max-elements 
 node "$source/web/make_sky.mjs" "$page/scene/hill.hdr"
 "$program" bake "${hill[@]}" -o "$page/scene/hill.glb" --to vertex --unlit --basis --env-turns 4
 "$program" render "${hill[@]}" --env-rotate 90 -o "$page/scene/hill-turned.png" --mode operator --size 256x144 --spp 16
-"$program" bake cornell-blocks -o "$page/scene/map.glb" --to lightmap --basis --map-size 512 --quality draft
+"$program" bake cornell-blocks -o "$page/scene/map.glb" --to lightmap --basis --packed --map-size 512 --quality draft
 "$program" scene cornell-blocks -o "$page/scene/plain.glb"
 # vertices with colours of their own, and a box that no camera looks at
 for box in colored framed; do

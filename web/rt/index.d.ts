@@ -24,12 +24,17 @@ export class LightBasis {
      * @param degrees of the surroundings, if they can be turned
      */
     relight(scales: readonly Scale[], degrees?: number): Float32Array;
+    /** What each light counts for, every angle of the surroundings by itself: [lights * 3]. Parameters as of `relight`. */
+    weights(scales: readonly Scale[], degrees?: number): Float32Array;
+    /** What each light does, for shaders that add them up: [lights * receiverCount * 3]. */
+    readonly values: Float32Array;
 }
 
 /** Arrays of a safetensors file. */
 export function readTensors(buffer: ArrayBuffer): {
     notes: Record<string, string>;
     floats(name: string): { shape: number[]; values: Float32Array };
+    bytes(name: string): Uint8Array;
 };
 
 /** Bytes of the runtime, with SIMD where there is any, or as asked. */

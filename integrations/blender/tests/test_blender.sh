@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The add-on in the Blender that is installed: test_blender.sh BUILD quick|all|window|cycles [FOLDER]
-# `all` installs the zip of make_zip.sh as users do; `window` opens one in Xvfb; `cycles` compares pictures with those of Cycles.
+# The add-on in the Blender that is installed: test_blender.sh BUILD quick|all|window|cycles|bench [FOLDER]
+# `all` installs the zip of make_zip.sh as users do; `window` opens one in Xvfb; `cycles` compares pictures with those of Cycles;
+# `bench` bakes a lightmap with both (TEXELS, TRIANGLES, SAMPLES of Cycles).
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)
@@ -54,5 +55,6 @@ window)
     grep -E '^(baked|solved|recoloured|moved|the window)' "$work/log"
     ;;
 cycles) run -P "$here/compare_cycles.py" -- "${3:-$work/out}" "${SAMPLES:-128}" ;;
-*) echo "error: '$kind' is none of quick, all, window, cycles" >&2 && exit 2 ;;
+bench) run -P "$here/bench_bake.py" -- "${3:-$work/out}" "${TEXELS:-1024}" "${TRIANGLES:-100000}" "${SAMPLES:-256}" ;;
+*) echo "error: '$kind' is none of quick, all, window, cycles, bench" >&2 && exit 2 ;;
 esac

@@ -1,0 +1,19 @@
+/// Bases for download: halves, as differences between one receiver and the next, deflated. Neighbours are alike, so that a tenth of
+/// the bytes will do.
+#ifndef RSV_BAKE_BASIS_PACK_H
+#define RSV_BAKE_BASIS_PACK_H
+
+#include "../core/core.h"
+
+/// One light of a basis, packed (docs/bake.md).
+typedef struct rsv_packed_light {
+    uint8_t *bytes; ///< to be freed through the context
+    size_t count;
+    float scale; ///< a power of two that halves are multiplied by
+} rsv_packed_light;
+
+/// @param value [receivers][width], finite
+rsv_status rsv_bake_pack_light(rsv_context *context, const float *value, size_t receivers,
+    size_t width, rsv_packed_light *packed);
+
+#endif

@@ -1,0 +1,29 @@
+/// What all tracers begin with, Embree's (embree_internal.h) and the one without Embree (own_internal.h).
+#ifndef RSV_TRACER_INTERNAL_H
+#define RSV_TRACER_INTERNAL_H
+
+#include "../bvh/bvh.h"
+#include "resolvent/trace.h"
+
+typedef struct rsv_tracer_head {
+    rsv_context *context;
+    const rsv_scene *scene;
+    rsv_bvh *hierarchy;          ///< of all triangles, for devices; empty until one asks
+    const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
+    bool blended;                ///< light passes some surfaces in part (passage.h)
+} rsv_tracer_head;
+
+/// @param scene committed
+/// @param head zeroed; to be ended, even after an error
+rsv_status rsv_tracer_head_begin(const rsv_scene *scene, rsv_tracer_head *head);
+void rsv_tracer_head_end(rsv_tracer_head *head);
+
+/// Asks the scene, at first and whenever it has moved, whether faces of it lie in the same place.
+void rsv_tracer_head_find_twins(rsv_tracer_head *head);
+
+static inline const rsv_tracer_head *rsv_tracer_head_of(const rsv_tracer *tracer)
+{
+    return (const rsv_tracer_head *)tracer;
+}
+
+#endif
