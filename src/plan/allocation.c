@@ -19,7 +19,7 @@ typedef struct allocator {
     const rsv_sample_sum *sum;
     uint32_t width, height;
     float *own;   ///< [pixels] relative squared errors as found
-    float *error; ///< [pixels] by the neighbours
+    float *error; ///< [pixels] by the neighbours: these decide on numbers of samples
     float *worth; ///< [pixels] numbers of samples are proportional to it
     double fall;
 } allocator;
@@ -83,7 +83,8 @@ static double extra_of(const allocator *a, size_t pixel, double scale)
     return fmax(floor(wanted - taken(a, pixel) + 0.5), 0);
 }
 
-/// Mean of the further rays, and the noise that is left with them.
+/// Mean of the further rays, and the noise that is left with them. A pixel's own error does not decide on its samples, so what
+/// it is expected to fall to is unbiased; by the neighbours, edges seem to get more samples than they do.
 static void look(const allocator *a, double scale, rsv_allocation *found)
 {
     size_t pixels = (size_t)a->width * a->height;
@@ -91,7 +92,7 @@ static void look(const allocator *a, double scale, rsv_allocation *found)
     for (size_t k = 0; k < pixels; k++) {
         double extra = extra_of(a, k, scale);
         rays += extra;
-        noise += (double)a->error[k] * pow(before / (taken(a, k) + extra), a->fall);
+        noise += (double)a->own[k] * pow(before / (taken(a, k) + extra), a->fall);
     }
     found->mean = rays / (double)pixels;
     found->noise = noise / (double)pixels;
