@@ -331,17 +331,23 @@ static float from_half(uint16_t half)
     return half & 0x8000 ? -size : size;
 }
 
-/// @param plane [width][2][receivers] low bytes of a channel's differences, then high ones
+/// Green and blue are stored by how far their halves are from the channel before.
+/// @param plane [width][2][receivers] low bytes of a channel's differences, then high ones; on return those of its halves
 static void join_planes(
-    const unsigned char *plane, size_t receivers, size_t width, float scale, float *value)
+    unsigned char *plane, size_t receivers, size_t width, float scale, float *value)
 {
     for (size_t c = 0; c < width; c++) {
-        const unsigned char *low = plane + 2 * c * receivers, *high = low + receivers;
-        uint16_t half = 0;
+        unsigned char *low = plane + 2 * c * receivers, *high = low + receivers;
+        const unsigned char *before = c % 3 ? low - 2 * receivers : NULL;
+        uint16_t code = 0;
         for (size_t n = 0; n < receivers; n++) {
-            uint16_t code = (uint16_t)(low[n] | high[n] << 8);
-            half = (uint16_t)(half + (uint16_t)(code >> 1 ^ (code & 1 ? 0xffff : 0)));
+            uint16_t difference = (uint16_t)(low[n] | high[n] << 8);
+            code = (uint16_t)(code + (difference >> 1 ^ (difference & 1 ? 0xffff : 0)));
+            uint16_t base = before ? (uint16_t)(before[n] | before[receivers + n] << 8) : 0;
+            uint16_t half = (uint16_t)(base + code);
             value[n * width + c] = scale * from_half(half);
+            low[n] = (unsigned char)half;
+            high[n] = (unsigned char)(half >> 8);
         }
     }
 }

@@ -28,6 +28,13 @@ static uint16_t zigzag(uint16_t difference)
     return (uint16_t)(difference << 1 ^ (difference & 0x8000 ? 0xffff : 0));
 }
 
+/// A number of a receiver as a half; green and blue by how far they are from the channel before, which edges of shadows leave alone.
+static uint16_t code_of(const float *value, size_t channel, float scale)
+{
+    uint16_t half = half_of(value[channel] / scale);
+    return channel % 3 ? (uint16_t)(half - half_of(value[channel - 1] / scale)) : half;
+}
+
 /// Of each channel the low bytes of all receivers, then the high ones.
 static void spread(const float *value, size_t receivers, size_t width, float scale, uint8_t *plane)
 {
@@ -35,11 +42,11 @@ static void spread(const float *value, size_t receivers, size_t width, float sca
         uint8_t *low = plane + 2 * c * receivers, *high = low + receivers;
         uint16_t last = 0;
         for (size_t n = 0; n < receivers; n++) {
-            uint16_t half = half_of(value[n * width + c] / scale);
-            uint16_t code = zigzag((uint16_t)(half - last));
-            low[n] = (uint8_t)code;
-            high[n] = (uint8_t)(code >> 8);
-            last = half;
+            uint16_t code = code_of(value + n * width, c, scale);
+            uint16_t difference = zigzag((uint16_t)(code - last));
+            low[n] = (uint8_t)difference;
+            high[n] = (uint8_t)(difference >> 8);
+            last = code;
         }
     }
 }

@@ -1,5 +1,5 @@
-/// Bases for download: halves, as differences between one receiver and the next, deflated. Neighbours are alike, so that a tenth of
-/// the bytes will do.
+/// Bases for download: halves, as differences between one receiver and the next and one channel and the next, deflated. Neighbours are
+/// alike, and so are the colours of light, so that a tenth of the bytes will do.
 #ifndef RSV_BAKE_BASIS_PACK_H
 #define RSV_BAKE_BASIS_PACK_H
 

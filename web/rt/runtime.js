@@ -20,15 +20,19 @@ function tableOfHalves() {
     return halves;
 }
 
-/// Undoes what `bake --packed` does to a light: of each channel the low bytes of all receivers' differences, then the high ones.
+/// Undoes what `bake --packed` does to a light: of each channel the low bytes of all receivers' differences, then the high ones;
+/// green and blue by how far they are from the channel before.
 function unpackLight(planes, receivers, width, scale, out) {
     const table = tableOfHalves();
+    const before = new Uint16Array(receivers); // halves of the last channel
     for (let c = 0; c < width; c++) {
         const low = 2 * c * receivers, high = low + receivers;
-        for (let n = 0, half = 0; n < receivers; n++) {
-            const code = planes[low + n] | planes[high + n] << 8;
-            half = half + (code >> 1 ^ -(code & 1)) & 0xffff;
-            out[n * width + c] = scale * table[half];
+        if (c % 3 === 0) before.fill(0);
+        for (let n = 0, code = 0; n < receivers; n++) {
+            const difference = planes[low + n] | planes[high + n] << 8;
+            code += difference >> 1 ^ -(difference & 1);
+            before[n] += code;
+            out[n * width + c] = scale * table[before[n]];
         }
     }
 }
