@@ -125,14 +125,18 @@ static rsv_status close_pockets(rsv_light *s, const float *survival, float least
 
 static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 {
-    double compatibility;
+    double compatibility, lost = 1 - a->radius.power;
+    if (lost > LOSS_IN_DOUBT)
+        return rsv_fail(RSV_ERROR_SCENE,
+            "solve: the scene is closed and absorbs only %.1g of its light per reflection; from %.1g on it can be "
+            "solved; lower an albedo or open the scene",
+            lost, 1 - RSV_LOSSLESS);
     rsv_status status =
         rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: the scene is closed and absorbs nothing (albedo 1): E = G K E has solutions of its "
-        "own (spectral radius %.5f); the light is %s them, so that %s; lower an albedo below 1 or "
-        "open the scene",
+        "solve: the scene is closed and absorbs nothing, as far as single precision can tell (spectral radius %.6f): "
+        "E = G K E has solutions of its own; the light is %s them, so that %s; lower an albedo below 1 or open the scene",
         a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
         compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
                              : "there are many answers");

@@ -114,6 +114,8 @@
 #define POCKET_ORDERS 256
 /// After RSV_LOSSLESS_ORDERS, such a place holds more than the fourth root of that.
 #define POCKET_LASTING 0.841f
+/// Loss per reflection that is told from none: rows are sums in single precision.
+#define LOSS_IN_DOUBT 3e-6
 /// Less of the light than this may be lost in pockets that are left dark.
 #define POCKET_SHARE 0.01
 /// Rounding of stored irradiance, as a share of it, that no residual gets below.
