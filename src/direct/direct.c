@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 #include "direct_device.h"
+#include "near_punctual.h"
 
 #define LANES RSV_DIRECT_LANES
 
@@ -48,14 +49,15 @@ static rsv_direct_estimate from_emitters(
     return e;
 }
 
-/// Adds what punctual lights give.
-static void add_punctual(
-    const rsv_direct_job *job, const rsv_node_receivers *receivers, rsv_direct_estimate *e)
+/// Adds what punctual lights give. @param near_lights those to leave out
+static void add_punctual(const rsv_direct_job *job, const rsv_node_receivers *receivers,
+    uint32_t near_lights, rsv_direct_estimate *e)
 {
     const rsv_direct_setting *s = &job->setting;
     rsv_direct_punctual p = { 0 };
     for (uint32_t l = 0; l < rsv_punctual_count(s->lights); l++) {
         rsv_next_event event[LANES];
+        if (near_lights && (near_lights >> l & 1)) continue;
         for (uint32_t k = 0; k < s->points; k++) {
             if (receivers->valid >> k & 1)
                 rsv_direct_to_punctual(s, receivers, k, l, &event[k]);
@@ -80,7 +82,9 @@ static rsv_direct_estimate estimate_from(
     rsv_node_receivers receivers;
     rsv_direct_receive(job, node, valid, &receivers);
     rsv_direct_estimate e = from_emitters(job, &receivers, rays);
-    add_punctual(job, &receivers, &e);
+    uint32_t near_lights = rsv_near_punctual(job, node);
+    add_punctual(job, &receivers, near_lights, &e);
+    if (near_lights) rsv_near_punctual_add(job, &receivers, node, near_lights, &e);
     return e;
 }
 
@@ -98,6 +102,20 @@ static rsv_direct_estimate estimate(const rsv_direct_job *job, uint32_t node)
         estimate_from(job, node, job->valid_points[node], rsv_direct_look_rays(job));
     e.rays += previewed;
     return e;
+}
+
+/// Moves nodes that have lights close by, which devices know nothing of, behind the others.
+/// @return how many others there are
+static size_t put_near_last(const rsv_direct_job *job, uint32_t *list, size_t count)
+{
+    size_t others = 0;
+    for (size_t k = 0; k < count; k++) {
+        if (rsv_near_punctual(job, list[k])) continue;
+        uint32_t node = list[k];
+        list[k] = list[others];
+        list[others++] = node;
+    }
+    return others;
 }
 
 /// Lists this process's nodes that receive light and are not known; the others of its own get none.
@@ -146,7 +164,7 @@ rsv_status rsv_direct_irradiance(
     uint32_t *list = rsv_alloc(context, nodes, sizeof *list);
     if (!list) return RSV_ERROR_MEMORY;
     size_t count = list_nodes(job, known, list, &own);
-    RSV_TRY(rsv_direct_by_device(job, list, count, &own, &done));
+    RSV_TRY(rsv_direct_by_device(job, list, put_near_last(job, list, count), &own, &done));
     estimate_nodes(job, list + done, count - done, &own);
     light->rays += rsv_team_total(context, own.rays);
     rsv_team_merge(context, own.irradiance, sizeof *own.irradiance, nodes, RSV_TEAM_BLOCK);

@@ -8,6 +8,15 @@
 /// Points of a node that are looked at first where `samples` is less than RSV_DIRECT_LANES.
 #define PREVIEW_POINTS 4
 
+// ---- Lights close to surfaces (near_punctual.c) --------------------------------------------------------
+
+/// A light is close to a node that is less than so many sides of its cells away.
+#define NEAR_LIGHT 4.0f
+/// Sides of parts, by their distance to the light.
+#define NEAR_LIGHT_PART 0.5f
+/// Divisions at most, of lights that lie on a surface.
+#define NEAR_LIGHT_DEPTH 16
+
 // ---- Photons (photons.c, photon_guide.c) -----------------------------------------------
 
 /// Share of photons that go to bins whose pilot rays were of use, and share that goes to all bins alike: their pilot rays

@@ -87,6 +87,16 @@ static bool walk_on(support_walk *w)
     return true;
 }
 
+void rsv_elements_visit_support(const rsv_elements *e, uint32_t node,
+    void (*visit)(void *user, uint32_t support, float weight), void *user)
+{
+    if (e->support_begin[node] == e->support_begin[node + 1]) return;
+    support_walk walk = walk_support(e, node);
+    do
+        visit(user, e->support[walk.support], walk.weight);
+    while (walk_on(&walk));
+}
+
 /// Area of everything whose light a node receives, in so far as it does.
 static float support_area(const rsv_elements *e, uint32_t node)
 {

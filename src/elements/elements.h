@@ -238,6 +238,11 @@ typedef struct rsv_support_point {
     float u, v;       ///< place on the cell's face
 } rsv_support_point;
 
+/// Calls visit for each cell around a node and around those that follow it.
+/// @param support cell * 4 + corner @param weight of the node's value in that of the corner
+void rsv_elements_visit_support(const rsv_elements *elements, uint32_t node,
+    void (*visit)(void *user, uint32_t support, float weight), void *user);
+
 /// A stratified sample of a node's support with density proportional to its hat function, those of its followers
 /// included in so far as they take its value. Points of one cell come one after the other.
 /// Drawn by node_draw. @param seed differs between independent samples @param points [count]

@@ -150,7 +150,7 @@ static void add_punctual_light(
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
     bool below = rsv_path_surface_is_below(s, light->direction);
     rsv_ray ray = { rsv_path_surface_departure(s, below, light->direction), light->direction,
-        light->distance };
+        RSV_PUNCTUAL_WAY * light->distance };
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
     rsv_rgb arriving =
         rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));

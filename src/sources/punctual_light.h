@@ -193,11 +193,14 @@ RSV_INLINE rsv_ray rsv_shadow_ray(
     return rsv_ray_to(origin, v3_sub(target, origin), 1);
 }
 
+/// Share of the way to a punctual light that is asked about: one that lies on a wall is not hidden by it.
+#define RSV_PUNCTUAL_WAY 0.99999f
+
 /// The same for a punctual light.
 RSV_INLINE rsv_ray rsv_punctual_ray(const rsv_punctual_sample *sample, rsv_vec3 origin)
 {
     if (!(sample->distance < INFINITY)) return rsv_ray_to(origin, sample->direction, INFINITY);
-    return rsv_ray_to(origin, v3_sub(sample->place, origin), 1);
+    return rsv_ray_to(origin, v3_sub(sample->place, origin), RSV_PUNCTUAL_WAY);
 }
 
 #endif

@@ -416,6 +416,36 @@ static world *create_lossless(bool open)
     return w;
 }
 
+/// Irradiance on average in a cube of albedo 0.5 with a light of 1 W/sr that far from one of its walls.
+static double mean_by_light_near_wall(float distance)
+{
+    world *w = world_begin(1);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
+        .position = v3(0.43f, 1 - distance, 0.54f),
+        .intensity = rgb_gray(1) };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    rsv_light *s = solve(w, 200);
+    double mean = rsv_light_report(s)->mean_irradiance;
+    rsv_light_destroy(s);
+    world_end(w);
+    return mean;
+}
+
+/// Walls absorb as much as the light sends out, however little of a wall most of it lands on. What a light on a wall sends
+/// into that is not seen.
+static void lights_close_to_walls_lose_nothing(void **state)
+{
+    (void)state;
+    static const float distance[] = { 0.3f, 0.1f, 0.03f, 0.01f, 1e-3f, 1e-4f };
+    const double right = 4 * (double)RSV_PI / (6 * 0.5);
+    for (size_t k = 0; k < sizeof distance / sizeof *distance; k++)
+        assert_close(mean_by_light_near_wall(distance[k]), right, 0.01 * right);
+    assert_close(mean_by_light_near_wall(0), right / 2, 0.005 * right);
+}
+
 static void a_closed_lossless_scene_is_refused(void **state)
 {
     (void)state;
@@ -702,6 +732,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(too_few_orders_are_reported),
         cmocka_unit_test(caustics_do_not_depend_on_who_finds_direct_light),
         cmocka_unit_test(solutions_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(lights_close_to_walls_lose_nothing),
         cmocka_unit_test(a_closed_lossless_scene_is_refused),
         cmocka_unit_test(an_open_lossless_scene_is_solved),
         cmocka_unit_test(lossless_pockets_are_left_dark),
