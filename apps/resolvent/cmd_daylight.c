@@ -126,6 +126,7 @@ typedef struct daylight_job {
     rsv_light *light[2];
     rsv_daylight *daylight[2];
     rsv_daylight_report report;
+    uint32_t *room; ///< [points.count]
 } daylight_job;
 
 /// Grids of the library's, as points of a file would be.
@@ -214,6 +215,20 @@ static bool write_reports(const daylight_job *job, size_t k, size_t buried)
     return !s->hourly.count || cli_write_daylight_hours(s->hourly.item[k], &result);
 }
 
+static void print_rooms(const daylight_job *job)
+{
+    printf("room sensors  mean lux  sDA %%  ASE %%  DF %%   EN 17037\n");
+    for (size_t r = 0; r < job->run.room_count; r++) {
+        const rsv_figure *room = job->report.room[r];
+        size_t count = 0;
+        for (size_t k = 0; k < job->points.count; k++)
+            count += job->room[k] == r;
+        printf("%4zu %7zu %9.4g %6.1f %6.1f %6.2f  %s\n", r, count, room[RSV_SPACE_MEAN].value,
+            100 * room[RSV_SPACE_SDA].value, 100 * room[RSV_SPACE_ASE].value,
+            100 * room[RSV_SPACE_DAYLIGHT_FACTOR].value, cli_daylight_class_name(room));
+    }
+}
+
 static void print_space(const daylight_job *job)
 {
     for (int f = 0; f < RSV_SPACE_FIGURES; f++) {
@@ -225,7 +240,9 @@ static void print_space(const daylight_job *job)
     }
     if (job->run.shaded)
         printf("%-42s %8.4g             h\n", "shades down", job->report.shaded_hours);
-    printf("%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(&job->report));
+    printf(
+        "%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(job->report.space));
+    if (job->run.room_count > 1) print_rooms(job);
 }
 
 static void close_job(daylight_job *job)
@@ -237,15 +254,28 @@ static void close_job(daylight_job *job)
     for (size_t k = 0; k < job->s->weather.count; k++)
         rsv_weather_free(job->session->context, &job->weather[k]);
     cli_free_points(&job->points);
+    free(job->room);
     rsv_scene_destroy(job->scene[0]);
     rsv_scene_destroy(job->scene[1]);
 }
 
+static rsv_status find_rooms(daylight_job *job)
+{
+    job->room = calloc(job->points.count, sizeof *job->room);
+    if (!job->room) return RSV_ERROR_MEMORY;
+    job->run.room = job->room;
+    return rsv_daylight_rooms(
+        job->scene[0], job->points.probe, job->points.count, job->room, &job->run.room_count);
+}
+
 static rsv_status find_sensors(daylight_job *job)
 {
-    if (!job->s->points) return lay_grids(job);
-    cli_place_points(&job->points, job->scene[0]);
-    return RSV_OK;
+    rsv_status status = RSV_OK;
+    if (job->s->points)
+        cli_place_points(&job->points, job->scene[0]);
+    else
+        status = lay_grids(job);
+    return status == RSV_OK ? find_rooms(job) : status;
 }
 
 /// Room for the hours, where a report shows them.

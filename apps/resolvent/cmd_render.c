@@ -7,6 +7,7 @@
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
+#include "photometry.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -52,7 +53,8 @@ static const char help[] =
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --gloss KIND       operator: reflections in rough surfaces by paths (default; unbiased), or reused\n"
     "                     among neighbours, as in `view` (fast, slightly biased)\n"
-    "  --layers           .exr: one more layer for each order of light: emission, direct, bounce1, ...\n" CLI_EXPOSURE_HELP
+    "  --layers           .exr: one more layer for each order of light: emission, direct, bounce1, ...\n"
+    "  --photometric      .exr, .hdr: channels times 683 lm/W, whose luminance is in cd/m2\n" CLI_EXPOSURE_HELP
     "  --error P%         final: plan the picture for this relative RMS error of pixels, 0.5 % to 100 %\n"
     "                     (default 7 %), and print the plan. With --quality: refine the solution until\n"
     "                     the estimated relative error of its irradiance (with --goal: of the picture's\n"
@@ -106,7 +108,7 @@ typedef struct settings {
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
-    bool layers, goal;
+    bool layers, goal, photometric;
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
@@ -135,6 +137,19 @@ static bool check_sequence(settings *s, int *exit_status)
             "--spp instead");
     else
         return !in_sequence || cli_read_sequence("render", &s->sequence);
+    return false;
+}
+
+static bool check_units(const settings *s, int *exit_status)
+{
+    bool light = s->mode != RSV_RENDER_OCCLUSION && s->mode != RSV_RENDER_OCCLUSION_SCREEN;
+    bool linear = false;
+    for (size_t k = 0; k < s->outputs.count; k++)
+        linear = linear || !cli_ends_in(s->outputs.item[k], ".png");
+    if (!s->photometric || (light && linear)) return true;
+    *exit_status =
+        cli_usage_error("render", light ? "--photometric is of .exr and .hdr: .png holds no cd/m2"
+                                        : "--photometric is of light: occlusion has none");
     return false;
 }
 
@@ -169,6 +184,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--gloss", .kind = CLI_CHOICE, .value = &s->gloss, .choices = gloss_names },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         CLI_EXPOSURE_OPTION(&s->exposure),
+        { .name = "--photometric", .kind = CLI_FLAG, .value = &s->photometric },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
@@ -190,7 +206,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    if (!check_sequence(s, exit_status)) return false;
+    if (!check_sequence(s, exit_status) || !check_units(s, exit_status)) return false;
     s->planned = is_planned(s) && !s->sequence.frames;
     if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
     if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
@@ -369,14 +385,26 @@ static float choose_exposure(cli_session *session, const settings *s, const rsv_
     return cli_expose(session, wanted, s->exposure, image);
 }
 
-static rsv_status write_pictures(
-    const settings *s, uint32_t frame, const rsv_image *image, float exposure)
+/// @param photometric in place of the image where values are kept; NULL = none
+static rsv_status write_picture(
+    const char *path, const rsv_image *image, const rsv_image *photometric, float exposure)
+{
+    bool shown = !photometric || cli_ends_in(path, ".png");
+    return rsv_image_write(shown ? image : photometric, path, exposure);
+}
+
+static rsv_status write_pictures(const cli_session *session, const settings *s, uint32_t frame,
+    const rsv_image *image, float exposure)
 {
     char path[PATH_MAX];
     rsv_status status = RSV_OK;
-    for (size_t i = 0; cli_crew_speaks() && i < s->outputs.count && status == RSV_OK; i++)
+    rsv_image *photometric = NULL;
+    if (!cli_crew_speaks()) return RSV_OK;
+    if (s->photometric) status = cli_photometric_picture(session->context, image, &photometric);
+    for (size_t i = 0; i < s->outputs.count && status == RSV_OK; i++)
         if (picture_path(s, s->outputs.item[i], frame, path)) // check_picture saw to it
-            status = rsv_image_write(image, path, exposure);
+            status = write_picture(path, image, photometric, exposure);
+    rsv_image_destroy(photometric);
     return status;
 }
 
@@ -393,7 +421,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = solution ? certificate : NULL;
+    stats->certificate = solution && !s->planned ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
@@ -567,7 +595,7 @@ static bool run_frame(reel *r, uint32_t frame)
     if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
     if (good && status == RSV_OK && frame == s->sequence.first)
         r->exposure = choose_exposure(r->session, s, image);
-    if (good && status == RSV_OK) status = write_pictures(s, frame, image, r->exposure);
+    if (good && status == RSV_OK) status = write_pictures(r->session, s, frame, image, r->exposure);
     if (status != RSV_OK) cli_report_failure(r->session, status);
     r->stats.time_render += stats.time_render;
     r->stats.standard_error = stats.standard_error;
@@ -637,12 +665,10 @@ static int run(cli_session *session, const settings *s)
         status = render_planned(session, s, &desc, &subject, &image, &stats);
     else if (is_solved(s))
         status = solve(session, s, &desc, &subject, &certificate);
-    if (status == RSV_OK && s->planned && subject.solution)
-        status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
     if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
     if (status == RSV_OK) {
         exposure = choose_exposure(session, s, image);
-        status = write_pictures(s, 0, image, exposure);
+        status = write_pictures(session, s, 0, image, exposure);
     }
     if (cli_writes_png(&s->outputs)) stats.exposure = &exposure;
     if (status != RSV_OK)

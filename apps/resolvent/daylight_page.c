@@ -9,7 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { plan_width = 420, carpet_width = 880, day_height = 9, scale_steps = 64, bands = 24 };
+enum {
+    plan_width = 420,
+    compass_width = 44,
+    carpet_width = 880,
+    day_height = 9,
+    scale_steps = 64,
+    bands = 24
+};
 
 /// Text that may hold what markup gives a meaning.
 static void print_escaped(FILE *f, const char *text)
@@ -58,7 +65,36 @@ static void print_summary(FILE *f, const cli_daylight_result *r)
         print_figure(f, rsv_space_figure_facts((rsv_space_figure)k), r->report->space[k]);
     fprintf(f,
         "<tr><td>EN 17037, daylight provision</td><td>%s</td><td></td><td></td></tr></table>\n",
-        cli_daylight_class_name(r->report));
+        cli_daylight_class_name(r->report->space));
+}
+
+/// Room by room, if there are several.
+static void print_rooms(FILE *f, const cli_daylight_result *r)
+{
+    static const rsv_space_figure shown[] = { RSV_SPACE_MEAN, RSV_SPACE_SDA, RSV_SPACE_ASE,
+        RSV_SPACE_UDI_AUTONOMOUS, RSV_SPACE_DAYLIGHT_FACTOR };
+    static const char *const title[] = { "Mean, lux", "sDA, %", "ASE, %", "UDI, %",
+        "Daylight factor, %" };
+    const int columns = sizeof shown / sizeof *shown;
+    if (r->run->room_count < 2) return;
+    fputs("<h2>Rooms</h2>\n<table class=\"rooms\"><tr><th>Room</th><th>Sensors</th>", f);
+    for (int c = 0; c < columns; c++)
+        fprintf(f, "<th>%s</th>", title[c]);
+    fputs("<th>EN 17037</th></tr>\n", f);
+    for (size_t k = 0; k < r->run->room_count; k++) {
+        const rsv_figure *room = r->report->room[k];
+        size_t count = 0;
+        for (size_t s = 0; s < r->points->count; s++)
+            count += r->run->room[s] == k;
+        fprintf(f, "<tr><td>%zu</td><td>%zu</td>", k, count);
+        for (int c = 0; c < columns; c++) {
+            double scale = shown[c] == RSV_SPACE_MEAN ? 1 : 100;
+            fprintf(f, "<td>%.4g &plusmn; %.2g</td>", scale * room[shown[c]].value,
+                scale * room[shown[c]].standard_error);
+        }
+        fprintf(f, "<td>%s</td></tr>\n", cli_daylight_class_name(room));
+    }
+    fputs("</table>\n<p>Point at a sensor in a plan to read its room.</p>\n", f);
 }
 
 // ---- plans ----------------------------------------------------------------------------------------
@@ -110,7 +146,7 @@ static void print_scale(FILE *f, double width, double top, double most, const ch
         print_color(f, (k + 0.5) / scale_steps);
         fputs("\"/>", f);
     }
-    for (int k = 0; k <= 4; k++)
+    for (int k = 0; k <= 4; k += width < 320 ? 2 : 1)
         fprintf(f, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%.6g%s</text>", width * k / 4,
             top + 24,
             k == 0   ? "start"
@@ -118,6 +154,15 @@ static void print_scale(FILE *f, double width, double top, double most, const ch
                      : "middle",
             most * k / 4, k == 4 ? unit : "");
     fputc('\n', f);
+}
+
+/// An arrow to the north of a plan whose up is -z.
+static void print_compass(FILE *f, double north, double x)
+{
+    fprintf(f,
+        "<g transform=\"translate(%.1f 20) rotate(%.4g)\"><path d=\"M0 -16 L6 8 L0 3 L-6 8 Z\" "
+        "fill=\"#444\"/><text y=\"-18\" text-anchor=\"middle\">N</text></g>\n",
+        x, north);
 }
 
 /// The figure at each sensor, from above. Where sensors stand above each other, the last one shows.
@@ -128,17 +173,20 @@ static void print_plan(FILE *f, const cli_daylight_result *r, rsv_sensor_figure 
     bool share = strcmp(facts.unit, "1") == 0;
     double scale = share ? 100 : 1, side = p.side * p.scale,
            width = (p.high[0] - p.low[0]) * p.scale;
-    fprintf(f, "<figure><figcaption>%s</figcaption><svg viewBox=\"-2 -2 %d %.1f\" width=\"%d\">\n",
-        facts.title, plan_width + 4, p.height + 40, plan_width);
+    fprintf(f, "<figure><figcaption>%s</figcaption><svg viewBox=\"-2 -14 %d %.1f\" width=\"%d\">\n",
+        facts.title, plan_width + compass_width, p.height + 52, plan_width);
     for (size_t k = 0; k < r->points->count; k++) {
         const rsv_figure *value = &r->report->sensor[k][figure];
         fprintf(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"",
             (r->points->given[k][0] - p.low[0]) * p.scale - side / 2,
             (r->points->given[k][2] - p.low[1]) * p.scale - side / 2, side + 0.3, side + 0.3);
         print_color(f, scale * value->value / most);
-        fprintf(f, "\"><title>sensor %zu: %.4g &#177; %.2g %s</title></rect>\n", k,
-            scale * value->value, scale * value->standard_error, share ? "%" : facts.unit);
+        fprintf(f, "\"><title>sensor %zu", k);
+        if (r->run->room_count > 1) fprintf(f, ", room %u", r->run->room[k]);
+        fprintf(f, ": %.4g &#177; %.2g %s</title></rect>\n", scale * value->value,
+            scale * value->standard_error, share ? "%" : facts.unit);
     }
+    print_compass(f, r->desc->north, fmax(width, 160) + 24);
     print_scale(f, fmax(width, 160), p.height + 6, most,
         share                  ? " %"
         : facts.unit[0] == 'l' ? " lux"
@@ -251,15 +299,16 @@ static void print_head(FILE *f, const cli_daylight_result *r)
 {
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Daylight: ", f);
     print_escaped(f, r->scene);
-    fputs("</title><style>body{font:15px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 "
-          "1em;"
-          "color:#222}table{border-collapse:collapse}td,th{padding:.2em 1em .2em 0;text-align:left;"
-          "border-bottom:1px solid "
-          "#ddd}td:nth-child(2),td:nth-child(3){text-align:right}figure{margin:1em 0}"
-          "figcaption{margin-bottom:.3em}svg{max-width:100%;height:auto}svg text{font:11px "
-          "sans-serif;fill:#444}"
-          ".plans{display:flex;flex-wrap:wrap;gap:1.5em}</style></head><body>\n<h1>Daylight</"
-          "h1>\n<p>",
+    fputs(
+        "</title><style>body{font:15px/1.5 sans-serif;max-width:960px;margin:2em auto;padding:0 "
+        "1em;"
+        "color:#222}table{border-collapse:collapse}td,th{padding:.2em 1em .2em 0;text-align:left;"
+        "border-bottom:1px solid "
+        "#ddd}td:nth-child(2),td:nth-child(3){text-align:right}figure{margin:1em 0}"
+        "figcaption{margin-bottom:.3em}svg{max-width:100%;height:auto}svg text{font:11px "
+        "sans-serif;fill:#444}"
+        ".rooms td,.rooms th{text-align:right}.plans{display:flex;flex-wrap:wrap;gap:1.5em}</style></head><body>\n<h1>Daylight</"
+        "h1>\n<p>",
         f);
     print_escaped(f, r->scene);
     fputs(" under the weather of ", f);
@@ -282,6 +331,7 @@ static void print_page(FILE *f, const cli_daylight_result *r, carpet *c)
     print_head(f, r);
     fputs("<h2>Figures</h2>\n", f);
     print_summary(f, r);
+    print_rooms(f, r);
     fputs("<h2>Plans</h2>\n<p>Seen from above, +x to the right, +z down. Point at a sensor to read "
           "it.</p>\n",
         f);

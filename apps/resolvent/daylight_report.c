@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-const char *cli_daylight_class_name(const rsv_daylight_report *report)
+const char *cli_daylight_class_name(const rsv_figure *figures)
 {
     static const char *const names[] = { "none", "minimum", "medium", "high" };
     return names[rsv_daylight_class(
-        report->space[RSV_SPACE_TARGET].value, report->space[RSV_SPACE_MINIMUM].value)];
+        figures[RSV_SPACE_TARGET].value, figures[RSV_SPACE_MINIMUM].value)];
 }
 
 /// Text that grows in memory and is then written at once.
@@ -107,14 +107,33 @@ static void add_settings(cJSON *root, const cli_daylight_result *r)
     cJSON_AddNumberToObject(root, "buried_sensors", (double)r->buried);
 }
 
+static void add_space(cJSON *object, const rsv_figure *figures)
+{
+    for (int f = 0; f < RSV_SPACE_FIGURES; f++)
+        add_figure(object, rsv_space_figure_facts((rsv_space_figure)f), figures[f]);
+    cJSON_AddStringToObject(object, "en_17037", cli_daylight_class_name(figures));
+}
+
+/// Which sensors a room has, and their figures.
+static void add_rooms(cJSON *root, const cli_daylight_result *r)
+{
+    cJSON *rooms = cJSON_AddArrayToObject(root, "rooms");
+    for (size_t k = 0; k < r->run->room_count; k++) {
+        cJSON *room = cJSON_CreateObject();
+        cJSON_AddItemToArray(rooms, room);
+        cJSON *sensors = cJSON_AddArrayToObject(room, "sensors");
+        for (size_t s = 0; s < r->points->count; s++)
+            if (r->run->room[s] == k) cJSON_AddItemToArray(sensors, cJSON_CreateNumber((double)s));
+        add_space(room, r->report->room[k]);
+    }
+}
+
 bool cli_write_daylight_json(const char *path, const cli_daylight_result *r)
 {
     cJSON *root = cJSON_CreateObject();
     add_settings(root, r);
-    cJSON *space = cJSON_AddObjectToObject(root, "space");
-    for (int f = 0; f < RSV_SPACE_FIGURES; f++)
-        add_figure(space, rsv_space_figure_facts((rsv_space_figure)f), r->report->space[f]);
-    cJSON_AddStringToObject(space, "en_17037", cli_daylight_class_name(r->report));
+    add_space(cJSON_AddObjectToObject(root, "space"), r->report->space);
+    add_rooms(root, r);
     cJSON *sensors = cJSON_AddArrayToObject(root, "sensors");
     for (size_t k = 0; k < r->points->count; k++) {
         cJSON *sensor = cJSON_CreateObject();

@@ -25,6 +25,7 @@ bool cli_write_daylight_json(const char *path, const cli_daylight_result *result
 bool cli_write_daylight_hours(const char *path, const cli_daylight_result *result);
 
 /// "minimum", ... of the recommendation that the space meets.
-const char *cli_daylight_class_name(const rsv_daylight_report *report);
+/// @param figures [RSV_SPACE_FIGURES] of the space or of a room
+const char *cli_daylight_class_name(const rsv_figure *figures);
 
 #endif

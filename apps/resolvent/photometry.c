@@ -13,6 +13,29 @@ double cli_luminous(rsv_rgb c)
            (0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b);
 }
 
+static rsv_status scale_layer(const rsv_image *image, uint32_t layer, rsv_image *scaled)
+{
+    size_t count = (size_t)rsv_image_width(image) * rsv_image_height(image);
+    const rsv_rgb *from = rsv_image_const_pixels(image, layer);
+    rsv_rgb *to = rsv_image_pixels(scaled, layer);
+    const float efficacy = (float)CLI_LUMINOUS_EFFICACY;
+    for (size_t k = 0; k < count; k++)
+        to[k] = (rsv_rgb){ efficacy * from[k].r, efficacy * from[k].g, efficacy * from[k].b };
+    if (!layer) return RSV_OK;
+    return rsv_image_set_layer_name(scaled, layer, rsv_image_layer_name(image, layer));
+}
+
+rsv_status cli_photometric_picture(
+    rsv_context *context, const rsv_image *image, rsv_image **photometric)
+{
+    uint32_t layers = rsv_image_layer_count(image);
+    rsv_status status = rsv_image_create(
+        context, rsv_image_width(image), rsv_image_height(image), layers, photometric);
+    for (uint32_t k = 0; k < layers && status == RSV_OK; k++)
+        status = scale_layer(image, k, *photometric);
+    return status;
+}
+
 cli_lux cli_lux_of(const rsv_probe_reading *reading)
 {
     return (cli_lux){ cli_luminous(reading->irradiance), cli_luminous(reading->standard_error) };

@@ -4,11 +4,17 @@
 
 #include "points_csv.h"
 
+#include "resolvent/image.h"
+
 /// Of one watt of linear RGB of luminance 1: that of light at 555 nm, by which exporters turn lumens into watts.
 #define CLI_LUMINOUS_EFFICACY 683.0
 
 /// lux of W/m2, cd/m2 of W/(sr m2).
 double cli_luminous(rsv_rgb radiometric);
+
+/// The same of a picture, all its layers: channels whose luminance is in cd/m2. @param photometric out, to be destroyed
+rsv_status cli_photometric_picture(
+    rsv_context *context, const rsv_image *image, rsv_image **photometric);
 
 /// A photometric reading and its standard error; errors of channels add up as if they were one.
 typedef struct cli_lux {

@@ -39,6 +39,11 @@ RSV_API rsv_status rsv_daylight_surround(
 /// @param sensors out: to be freed by rsv_daylight_free_sensors; facing up
 RSV_API rsv_status rsv_daylight_sensors(
     const rsv_scene *scene, double height, double spacing, rsv_probe **sensors, size_t *count);
+/// Tells rooms apart: sensors next to each other with nothing between them are in one. Next to each other means within 1.45
+/// times the median distance of sensors to their nearest.
+/// @param room out, [count]: 0, 1, ... in the order of the sensors @param room_count out
+RSV_API rsv_status rsv_daylight_rooms(const rsv_scene *scene, const rsv_probe *sensors,
+    size_t count, uint32_t *room, size_t *room_count);
 RSV_API void rsv_daylight_free_sensors(const rsv_scene *scene, rsv_probe *sensors);
 
 // ---- coefficients ---------------------------------------------------------------------------------
@@ -118,6 +123,9 @@ typedef struct rsv_daylight_run_desc {
     /// Hours of sun and daylight factors are those of shades that stay up.
     const rsv_daylight *shaded;
     double shade_lux, shade_share;
+    /// [sensor count] room of each sensor, below room_count, for figures room by room; NULL = not wanted
+    const uint32_t *room;
+    size_t room_count;
 } rsv_daylight_run_desc;
 
 RSV_API rsv_daylight_run_desc rsv_default_daylight_run_desc(void);
@@ -126,6 +134,8 @@ typedef struct rsv_daylight_report {
     size_t sensor_count;
     rsv_figure (*sensor)[RSV_SENSOR_FIGURES]; ///< [sensor_count]
     rsv_figure space[RSV_SPACE_FIGURES];
+    rsv_figure (*room)
+        [RSV_SPACE_FIGURES]; ///< [room_count] the same of the sensors in each room; NULL = not wanted
     double hours, occupied_hours, daylight_hours; ///< in the file
     double shaded_hours;                          ///< with the shades down
 } rsv_daylight_report;

@@ -124,6 +124,30 @@ static void report_figures(const rsv_daylight *d, const rsv_year *year,
     rsv_space_figures(figures, d->sensor_count, value, report->space);
 }
 
+/// @param chosen, value scratch, [sensor_count]
+static void report_rooms(
+    const run_job *job, rsv_sensor_variants *chosen, float *value, rsv_daylight_report *report)
+{
+    for (size_t r = 0; r < job->desc->room_count; r++) {
+        size_t count = 0;
+        for (size_t k = 0; k < job->daylight->sensor_count; k++)
+            if (job->desc->room[k] == r) memcpy(chosen[count++], job->figures[k], sizeof *chosen);
+        if (count)
+            rsv_space_figures((const rsv_sensor_variants *)chosen, count, value, report->room[r]);
+    }
+}
+
+static rsv_status find_room_figures(const run_job *job, float *value, rsv_daylight_report *report)
+{
+    rsv_context *context = job->daylight->context;
+    if (!job->desc->room) return RSV_OK;
+    rsv_sensor_variants *chosen = rsv_alloc(context, job->daylight->sensor_count, sizeof *chosen);
+    report->room = rsv_alloc(context, job->desc->room_count, sizeof *report->room);
+    if (chosen && report->room) report_rooms(job, chosen, value, report);
+    rsv_free(context, chosen);
+    return chosen && report->room ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
 rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     const rsv_daylight_run_desc *desc, rsv_daylight_report *report)
 {
@@ -143,6 +167,7 @@ rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     RSV_TRY(read_sensors(&job) ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_progress(d->context, "year", 1));
     report_figures(d, &job.year, (const rsv_sensor_variants *)job.figures, value, report);
+    RSV_TRY(find_room_figures(&job, value, report));
 cleanup:
     rsv_year_destroy(d->context, &job.year);
     rsv_free(d->context, job.down);
@@ -154,5 +179,6 @@ cleanup:
 void rsv_daylight_report_free(const rsv_daylight *d, rsv_daylight_report *report)
 {
     rsv_free(d->context, report->sensor);
+    rsv_free(d->context, report->room);
     *report = (rsv_daylight_report){ 0 };
 }

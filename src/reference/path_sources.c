@@ -173,6 +173,31 @@ static void add_punctual_lights(rsv_light_path *path, const rsv_path_surface *s,
     }
 }
 
+/// Chains of mirrors and glass that every surface of a path may try.
+#define TRIED_CHAINS 256
+
+/// Adds what mirrors and glass send here of punctual lights. Where they are many, few surfaces ask, for the others, too.
+static void add_connected_lights(rsv_light_path *path, const rsv_path_surface *s)
+{
+    const rsv_connections *connections = path->tracer->connections;
+    rsv_connection found[RSV_MOST_CONNECTIONS];
+    float chance = TRIED_CHAINS / (float)rsv_connections_chain_count(connections);
+    if (chance < 1 && rsv_random_float(&path->numbers.random) >= chance) return;
+    size_t count = rsv_connect(connections, s->point, found);
+    for (size_t k = 0; k < count; k++) {
+        if (found[k].straight) continue; // shadow rays pass thin sheets (add_punctual_light)
+        rsv_vec3 towards = found[k].towards;
+        rsv_bsdf_value diffuse = rsv_path_surface_respond(s, towards, RSV_LOBES_DIFFUSE);
+        rsv_bsdf_value rough = rsv_path_surface_respond(s, towards, RSV_LOBES_ROUGH);
+        if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) continue;
+        bool below = rsv_path_surface_is_below(s, towards);
+        rsv_medium medium = rsv_path_medium_beside(path, s, below);
+        rsv_rgb arriving = rgb_scale(found[k].irradiance, 1 / f_min(chance, 1));
+        arriving = rgb_mul(arriving, from_source(path, &medium, 0));
+        add_scattered(path, arriving, diffuse.response, rough.response);
+    }
+}
+
 /// Whether lights are found by aiming at them, above the surface and below.
 static void choose_sides(const rsv_path_surface *s, bool aim[2])
 {
@@ -194,5 +219,8 @@ void rsv_path_gather_sources(
         rsv_lights_about(path->tracer->lights, s->point, normal, &path->local[below]);
         add_emitter_sample(path, s, below, u_select, u1, u2);
     }
-    if (path->aimed[0] || path->aimed[1]) add_punctual_lights(path, s, path->aimed[1]);
+    if (!path->aimed[0] && !path->aimed[1]) return;
+    add_punctual_lights(path, s, path->aimed[1]);
+    // a virtual receiver is connected once for all paths (probe.c)
+    if (path->tracer->connections && s->triangle != RSV_NONE) add_connected_lights(path, s);
 }

@@ -40,7 +40,17 @@ static void warn_of_unreachable_caustics(const rsv_path_tracer *tracer)
     }
 }
 
-rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **result)
+static rsv_status connect(rsv_path_tracer *tracer, const rsv_scene *scene)
+{
+    const rsv_transport_scene transport = { .scene = scene,
+        .view = tracer->scene,
+        .tracer = tracer->tracer,
+        .bsdf = tracer->bsdf,
+        .media = tracer->media };
+    return rsv_connections_create(&transport, tracer->lights, &tracer->connections);
+}
+
+rsv_status rsv_path_tracer_create(const rsv_scene *scene, bool connected, rsv_path_tracer **result)
 {
     rsv_status status = RSV_OK;
     rsv_context *context = rsv_scene_get_context(scene);
@@ -58,7 +68,10 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     if (tracer->fog) RSV_TRY(rsv_fog_lights_create(context, tracer->lights, &tracer->fog_lights));
     tracer->blended = rsv_find_blended(tracer->scene);
     RSV_TRY(rsv_bodies_create(scene, tracer->tracer, &tracer->bodies));
-    warn_of_unreachable_caustics(tracer);
+    if (connected && !tracer->fog)
+        RSV_TRY(connect(tracer, scene));
+    else
+        warn_of_unreachable_caustics(tracer);
     *result = tracer;
     tracer = NULL;
 cleanup:
@@ -69,6 +82,7 @@ cleanup:
 void rsv_path_tracer_destroy(rsv_path_tracer *tracer)
 {
     if (!tracer) return;
+    rsv_connections_destroy(tracer->connections);
     rsv_bodies_destroy(tracer->bodies);
     rsv_tracer_destroy(tracer->tracer);
     if (tracer->fog) rsv_fog_lights_destroy(&tracer->fog_lights);

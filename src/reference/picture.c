@@ -199,7 +199,7 @@ rsv_status rsv_render_reference(
     uint32_t layers = desc->layers ? 1 + RSV_PATH_ORDERS : 1;
     RSV_TRY(rsv_image_create(context, desc->width, desc->height, layers, &picture.image));
     RSV_TRY(name_layers(picture.image));
-    RSV_TRY(rsv_path_tracer_create(scene, &tracer));
+    RSV_TRY(rsv_path_tracer_create(scene, false, &tracer));
     picture.tracer = tracer;
     picture.camera = desc->viewpoint ? desc->viewpoint : &view->camera[desc->camera];
     picture.film =

@@ -21,6 +21,8 @@ typedef struct receiver {
     bool on_surface;
     rsv_vec3 normal;   ///< that a surface receives by
     rsv_medium medium; ///< above it
+    rsv_rgb
+        connected; ///< W/m2 by way of mirrors and glass: the same on all paths; on a surface, they find it
 } receiver;
 
 static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe *probe)
@@ -28,6 +30,7 @@ static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe
     receiver r = { .at = { .point = probe->position, .geometric = v3_normalize(probe->normal) } };
     rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, r.at.point, r.at.geometric);
     r.medium = rsv_medium_above(&tracer->media, origin, r.at.geometric);
+    r.connected = rsv_connected_irradiance(tracer->connections, r.at.point, r.at.geometric, true);
     return r;
 }
 
@@ -70,27 +73,32 @@ static group_mean measure_group(
     return group;
 }
 
-static void summarise_channel(const group_mean *group, int channel, float *mean, float *error)
+/// @param connected what is added to all groups
+static void summarise_channel(
+    const group_mean *group, int channel, double connected, float *mean, float *error)
 {
     double sum = 0, squares = 0;
     for (int i = 0; i < GROUPS; i++)
         sum += group[i].irradiance[channel];
-    double average = sum / GROUPS;
+    double average = sum / GROUPS, all = average + connected;
     for (int i = 0; i < GROUPS; i++) {
         double deviation = group[i].irradiance[channel] - average;
         squares += deviation * deviation;
     }
     double spread = sqrt(squares / (GROUPS - 1) / GROUPS);
-    *mean = (float)average;
-    *error = (float)fmax(spread, SMALLEST_RELATIVE_ERROR * fabs(average));
+    *mean = (float)all;
+    *error = (float)fmax(spread, SMALLEST_RELATIVE_ERROR * fabs(all));
 }
 
-static rsv_probe_reading summarise(const group_mean *group)
+static rsv_probe_reading summarise(const group_mean *group, rsv_rgb connected)
 {
     rsv_probe_reading reading;
-    summarise_channel(group, 0, &reading.irradiance.r, &reading.standard_error.r);
-    summarise_channel(group, 1, &reading.irradiance.g, &reading.standard_error.g);
-    summarise_channel(group, 2, &reading.irradiance.b, &reading.standard_error.b);
+    summarise_channel(
+        group, 0, (double)connected.r, &reading.irradiance.r, &reading.standard_error.r);
+    summarise_channel(
+        group, 1, (double)connected.g, &reading.irradiance.g, &reading.standard_error.g);
+    summarise_channel(
+        group, 2, (double)connected.b, &reading.irradiance.b, &reading.standard_error.b);
     return reading;
 }
 
@@ -150,13 +158,13 @@ static rsv_status measure(const rsv_scene *scene, const measurement *m, rsv_prob
     receiver *receivers = rsv_alloc(context, m->count, sizeof *receivers);
     group_mean *groups = rsv_alloc(context, m->count, GROUPS * sizeof *groups);
     if (!receivers || !groups) goto cleanup;
-    RSV_TRY(rsv_path_tracer_create(scene, &tracer));
+    RSV_TRY(rsv_path_tracer_create(scene, true, &tracer));
     for (size_t i = 0; i < m->count; i++)
         receivers[i] = m->probe ? receiver_of_probe(tracer, &m->probe[i])
                                 : receiver_of_place(tracer, &m->place[i]);
     RSV_TRY(measure_groups(tracer, receivers, m->count, samples, m->seed, groups));
     for (size_t i = 0; i < m->count; i++)
-        readings[i] = summarise(groups + i * GROUPS);
+        readings[i] = summarise(groups + i * GROUPS, receivers[i].connected);
     warn_of_rejected(context, groups, m->count * GROUPS);
 cleanup:
     rsv_path_tracer_destroy(tracer);

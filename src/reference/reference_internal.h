@@ -2,6 +2,7 @@
 #ifndef RSV_REFERENCE_INTERNAL_H
 #define RSV_REFERENCE_INTERNAL_H
 
+#include "../connect/connect.h"
 #include "../sources/fog_lights.h"
 #include "../sources/lights.h"
 #include "../surface/medium.h"
@@ -20,10 +21,14 @@ typedef struct rsv_path_tracer {
     rsv_media media;
     const rsv_fog *fog; ///< the scene's; NULL = clear air
     rsv_fog_lights fog_lights;
+    /// What mirrors and glass make of punctual lights; NULL = nothing, or left out.
+    rsv_connections *connections;
     bool blended; ///< some surfaces do not cover all that is behind them
 } rsv_path_tracer;
 
-rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);
+/// @param connected paths are connected with punctual lights by way of mirrors and glass; else a warning tells of what is
+/// left out, if anything
+rsv_status rsv_path_tracer_create(const rsv_scene *scene, bool connected, rsv_path_tracer **tracer);
 void rsv_path_tracer_destroy(rsv_path_tracer *tracer);
 
 /// Light is told apart by its diffuse reflections, 0, 1, ...; the last order collects the rest.

@@ -19,8 +19,9 @@
 typedef struct receiver {
     rsv_receiver at;
     rsv_medium medium;
-    rsv_rgb caustic; ///< stored, where the receiver lies on a surface
-    bool has_caustic;
+    rsv_rgb
+        caustic; ///< stored, where the receiver lies on a surface; else of punctual lights alone
+    bool has_caustic; ///< it is what is stored
     const rsv_probe_job *job;
     double variance; ///< of the luminance of `caustic`
     rsv_shared_noise shared;
@@ -68,6 +69,8 @@ static receiver set_up_receiver(const rsv_probe_job *job, const rsv_probe *probe
         position, normal, rsv_tracer_receiver_origin(job->solution->tracer, position, normal));
     r.medium = rsv_medium_above(&job->solution->scene.media, r.at.origin, normal);
     find_surface(&r);
+    if (!r.has_caustic)
+        r.caustic = rsv_connected_irradiance(job->connections, position, normal, false);
     return r;
 }
 
@@ -329,7 +332,7 @@ rsv_probe_job rsv_probe_job_of(
     uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
     if (per_group < 2) per_group = 2;
     return (rsv_probe_job){ solution, per_group, per_group / 4 < 4 ? 4 : per_group / 4, seed,
-        all_sources_large(solution), sources, NULL };
+        all_sources_large(solution), sources, NULL, NULL };
 }
 
 static rsv_probe_reading look_up(
@@ -368,9 +371,16 @@ rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *de
     if (status != RSV_OK) return status;
     rsv_probe_job job = rsv_probe_job_of(solution, desc->samples, desc->seed, true);
     rsv_stored_noise noise;
-    status = rsv_stored_noise_create(solution, lookup, &noise);
+    rsv_connections *connections = NULL;
+    if (!lookup) status = rsv_connections_create(&solution->scene, solution->lights, &connections);
     if (status != RSV_OK) return status;
+    status = rsv_stored_noise_create(solution, lookup, &noise);
+    if (status != RSV_OK) {
+        rsv_connections_destroy(connections);
+        return status;
+    }
     job.noise = &noise;
+    job.connections = connections;
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (size_t k = 0; k < probe_count; k++) {
@@ -384,5 +394,6 @@ rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *de
             rsv_progress(context, "probe", (double)finished / (double)probe_count);
     }
     rsv_stored_noise_destroy(&noise);
+    rsv_connections_destroy(connections);
     return rsv_progress(context, "probe", 1);
 }

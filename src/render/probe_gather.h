@@ -2,6 +2,7 @@
 #ifndef RSV_PROBE_GATHER_H
 #define RSV_PROBE_GATHER_H
 
+#include "../connect/connect.h"
 #include "../solve/light.h"
 #include "resolvent/render.h"
 #include "stored_noise.h"
@@ -10,8 +11,10 @@ typedef struct rsv_probe_job {
     const rsv_light_view *solution;
     uint32_t gather_rays, light_samples; ///< per group
     uint32_t seed;
-    bool gather_caustics;          ///< all sources are large
-    bool sources;                  ///< light that next-event estimation finds is included
+    bool gather_caustics; ///< all sources are large
+    bool sources;         ///< light that next-event estimation finds is included
+    /// What mirrors and glass make of punctual lights, for receivers that no photon lands on; NULL = nothing, or left out.
+    const rsv_connections *connections;
     const rsv_stored_noise *noise; ///< enters standard errors; NULL = it does not
 } rsv_probe_job;
 

@@ -167,10 +167,11 @@ rsv_status case_mesh_add(rsv_scene *scene, const case_surface *surface, const ca
     case_mesh mesh;
     rsv_status status = RSV_ERROR_MEMORY;
     if (make_mesh(surface, zone, &mesh)) {
-        // mirrors and glass keep their facets: shading normals would bend rays into the surface
+        // mirrors and coarse glass keep their facets: shading normals would bend rays into the surface
+        bool smooth = surface->bsdf == CASE_DIFFUSE || surface->refinement > 1;
         rsv_mesh_desc desc = { .name = surface->name,
             .positions = mesh.positions,
-            .normals = surface->bsdf == CASE_DIFFUSE ? mesh.normals : NULL,
+            .normals = smooth ? mesh.normals : NULL,
             .vertex_count = mesh.vertex_count,
             .indices = mesh.indices,
             .triangle_count = mesh.triangle_count,

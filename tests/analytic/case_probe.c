@@ -51,8 +51,6 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
         double area = case_receiver_area(&bench->scene);
         desc.element_target = (uint32_t)(area / (RECEIVER_SPACING * RECEIVER_SPACING));
         desc.photon_count = PHOTONS;
-        desc.direct_level = false;
-        desc.direct_levels = 0;
     }
     return rsv_light_create(created->scene, &desc, &created->solution);
 }
@@ -116,9 +114,9 @@ static rsv_status read_point(
     return status;
 }
 
-/// Irradiance stored on the plate that the receivers lie on, averaged over a disk.
-static rsv_status read_stored(
-    case_bench *bench, rsv_vec3 center, double radius, case_reading *reading)
+/// Irradiance averaged over a disk: of virtual receivers, or of what the plate that they lie on stores.
+static rsv_status read_disk(
+    case_bench *bench, rsv_probe center, double radius, case_reading *reading)
 {
     const case_solution *solution;
     rsv_probe points[CASE_RECEIVER_POINTS];
@@ -280,14 +278,18 @@ static double radius_of(const case_scene *scene, const cJSON *probe)
     return lens ? RECEIVER_RADIUS_BEHIND_LENS : RECEIVER_RADIUS;
 }
 
-/// Reads what the plate stores; of a point behind a lens, what the disk that stands for it did not average away.
+/// Reads what mirrors and glass send; of a point behind a lens, what the disk that stands for it did not average away.
 static rsv_status read_received(case_bench *bench, const cJSON *probe, case_reading *reading)
 {
     const case_surface *lens = &bench->scene.surface[0];
     rsv_vec3 point = vector(probe, "point"), offset = v3_sub(point, lens->center);
+    rsv_probe receiver = { point, vector(probe, "normal") };
     double radius = radius_of(&bench->scene, probe);
-    rsv_status status = read_stored(bench, point, radius, reading);
-    if (lens->shape == CASE_SPHERE && !cJSON_HasObjectItem(probe, "radius"))
+    bool is_point = !cJSON_HasObjectItem(probe, "radius");
+    if (bench->mode != RSV_PROBE_LOOKUP && is_point)
+        return read_point(bench, (case_variant){ 0 }, receiver, reading);
+    rsv_status status = read_disk(bench, receiver, radius, reading);
+    if (lens->shape == CASE_SPHERE && is_point)
         reading->value /= case_lens_blur(lens->ior, fabs((double)offset.z) / lens->radius,
             hypot((double)offset.x, (double)offset.y) / lens->radius, radius / lens->radius);
     return status;
@@ -301,7 +303,8 @@ void case_bench_announce(case_bench *bench, const cJSON *expected)
     if (strcmp(text(probe, "type"), "radiance") == 0)
         add_camera(
             &bench->scene, vector(probe, "origin"), v3_normalize(vector(probe, "direction")));
-    if (is_irradiance(probe) && case_receiver_needed(&bench->scene))
+    bool stored = bench->mode == RSV_PROBE_LOOKUP && case_receiver_needed(&bench->scene);
+    if (stored && is_irradiance(probe))
         case_receiver_cover(&bench->scene, vector(probe, "point"), vector(probe, "normal"),
             radius_of(&bench->scene, probe));
 }
@@ -441,7 +444,18 @@ static rsv_status read_by_name(
     return RSV_OK;
 }
 
-rsv_status case_bench_read(
+/// What the probe's reading is divided by: another quantity of the case, by its value in the file.
+static double divisor_of(const case_bench *bench, const cJSON *probe)
+{
+    const char *name = text(probe, "divide_by");
+    const cJSON *other;
+    cJSON_ArrayForEach(other,
+        bench->expected) if (strcmp(text(other, "name"), name) ==
+                             0) return cJSON_GetNumberValue(cJSON_GetObjectItem(other, "value"));
+    return 1;
+}
+
+static rsv_status read_quantity(
     case_bench *bench, const cJSON *expected, case_reading *reading, bool *known)
 {
     const cJSON *probe = cJSON_GetObjectItem(expected, "probe");
@@ -449,13 +463,10 @@ rsv_status case_bench_read(
     rsv_probe receiver = irradiance_probe(&bench->scene, probe);
     *known = true;
     *reading = (case_reading){ 0 };
-    if (cJSON_HasObjectItem(probe, "divide_by")) type = "unknown";
     bool alternative = strncmp(text(expected, "name"), "E_uniform_env", 13) == 0;
-    if (case_receiver_needed(&bench->scene) && is_irradiance(probe) && !alternative) {
-        // the paths of the reference meet no point of light in a mirror
-        *known = bench->mode != RSV_PROBE_REFERENCE;
-        return *known ? read_received(bench, probe, reading) : RSV_OK;
-    }
+    if (case_receiver_needed(&bench->scene) && is_irradiance(probe) && !alternative)
+        return read_received(bench, probe, reading);
+    if (bench->mode == RSV_PROBE_LOOKUP) type = "unknown";
     if (!*type) return read_by_name(bench, text(expected, "name"), reading, known);
     if (strcmp(type, "irradiance") == 0)
         return read_point(bench, (case_variant){ .sky = alternative }, receiver, reading);
@@ -472,6 +483,15 @@ rsv_status case_bench_read(
             bench, (case_variant){ 0 }, find_camera(&bench->scene, probe), reading);
     *known = false;
     return RSV_OK;
+}
+
+rsv_status case_bench_read(
+    case_bench *bench, const cJSON *expected, case_reading *reading, bool *known)
+{
+    rsv_status status = read_quantity(bench, expected, reading, known);
+    const cJSON *probe = cJSON_GetObjectItem(expected, "probe");
+    *reading = affine(*reading, 0, 1 / divisor_of(bench, probe));
+    return status;
 }
 
 void case_bench_close(case_bench *bench)

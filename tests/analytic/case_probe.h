@@ -20,9 +20,10 @@ typedef struct case_solution {
 /// Everything that the readings of one case share.
 typedef struct case_bench {
     rsv_context *context;
-    rsv_probe_mode mode; ///< operator or reference
+    rsv_probe_mode mode; ///< lookup: only what mirrors and glass send to plates
     uint32_t opinion;    ///< of solutions and probes with random numbers of their own
     case_scene scene;
+    const cJSON *expected; ///< all quantities of the case: some are divided by others
     case_solution solution[CASE_MAX_VARIANTS * (1 + CASE_OPINIONS)]; ///< made when first wanted
     int solution_count;
 } case_bench;

@@ -41,18 +41,19 @@ void case_receiver_cover(case_scene *scene, rsv_vec3 point, rsv_vec3 normal, dou
     plate->corner[4 - second] = v3(low.x, high.y, low.z);
 }
 
-size_t case_receiver_disk(
-    const case_scene *scene, rsv_vec3 center, double radius, rsv_probe points[CASE_RECEIVER_POINTS])
+size_t case_receiver_disk(const case_scene *scene, rsv_probe center, double radius,
+    rsv_probe points[CASE_RECEIVER_POINTS])
 {
+    rsv_vec3 normal = center.normal;
     const double golden_angle = 2.399963229728653;
     size_t count = 0;
     for (int k = 0; k < CASE_RECEIVER_POINTS; k++) {
         double r = radius * sqrt((k + 0.5) / CASE_RECEIVER_POINTS);
         rsv_vec3 step =
             v3((float)(r * cos(k * golden_angle)), (float)(r * sin(k * golden_angle)), 0);
-        rsv_vec3 point = v3_add(center, step);
-        if (case_surface_contains(&scene->receiver, point))
-            points[count++] = (rsv_probe){ point, scene->receiver.normal };
+        rsv_vec3 point = v3_add(center.position, step);
+        if (!scene->receiver.name || case_surface_contains(&scene->receiver, point))
+            points[count++] = (rsv_probe){ point, normal };
     }
     return count;
 }

@@ -92,8 +92,8 @@ static void read_light(const cJSON *json, rsv_punctual_light *light)
     }
 }
 
-/// Each facet of a glass sphere throws a spot of its own: these are to be small beside what is read.
-#define LENS_REFINEMENT 8
+/// Of a glass sphere, which has smooth normals: facets are to be small beside what bends there.
+#define LENS_REFINEMENT 4
 
 const char *case_scene_read(const cJSON *json, case_scene *scene)
 {

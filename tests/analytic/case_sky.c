@@ -38,7 +38,6 @@ static double indicatrix(const double *abcde, double cos_sun)
 
 static double general_radiance(const case_sky *sky, const double *d, double cos_axis)
 {
-    if (d[2] <= 0) return 0;
     return sky->radiance * indicatrix(sky->abcde, cos_axis) * gradation(sky->abcde, d[2]) /
            (indicatrix(sky->abcde, sky->axis[2]) * gradation(sky->abcde, 1));
 }
@@ -54,6 +53,8 @@ static double harmonics(const double *l, const double *d)
 static double radiance_at(const case_sky *sky, const double *d)
 {
     double cos_axis = d[0] * sky->axis[0] + d[1] * sky->axis[1] + d[2] * sky->axis[2];
+    bool daylight = sky->kind == CASE_SKY_OVERCAST || sky->kind == CASE_SKY_GENERAL;
+    if (daylight && d[2] <= 0) return sky->ground;
     switch (sky->kind) {
     case CASE_SKY_CONSTANT:
         return sky->radiance;
@@ -64,7 +65,7 @@ static double radiance_at(const case_sky *sky, const double *d)
     case CASE_SKY_LOBE:
         return sky->radiance * pow(fmax(cos_axis, 0), sky->exponent);
     case CASE_SKY_OVERCAST:
-        return d[2] > 0 ? sky->radiance * (1 + 2 * d[2]) / 3 : 0;
+        return sky->radiance * (1 + 2 * d[2]) / 3;
     case CASE_SKY_GENERAL:
         return general_radiance(sky, d, cos_axis);
     case CASE_SKY_HARMONICS:
@@ -99,6 +100,7 @@ bool case_sky_read(const cJSON *json, case_sky *sky)
     for (int kind = CASE_SKY_CONSTANT; type && kind <= CASE_SKY_HARMONICS; kind++)
         if (strcmp(kinds[kind], type) == 0) sky->kind = (case_sky_kind)kind;
     sky->radiance = number(json, "radiance") + number(json, "zenith_radiance");
+    sky->ground = number(json, "ground_radiance");
     sky->cos_radius = cos(number(json, "angular_radius_deg") * M_PI / 180);
     sky->exponent = number(json, "exponent");
     read_numbers(cJSON_GetObjectItem(json, "axis"), sky->axis, 3);

@@ -21,6 +21,7 @@ typedef enum case_sky_kind {
 typedef struct case_sky {
     case_sky_kind kind;
     double radiance;    ///< at the zenith or on the axis
+    double ground;      ///< below the horizon of daylight
     double axis[3];     ///< unit: of disc and lobe, towards the sun
     double cos_radius;  ///< disc
     double exponent;    ///< lobe

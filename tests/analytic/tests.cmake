@@ -29,16 +29,19 @@ rsv_add_validation(enclosures slow c.concentric.1_1 c.cube.rho0p5 i.)
 rsv_add_validation(direct slow d.p d.s d.di d.rect_light.c d.rect_light.n d.rect_light.blocked_m d.one_bounce.h2 f.i f.m
     f.caustic.n1p33)
 rsv_add_validation(environments slow e.)
-rsv_add_validation(rooms slow j.cie5p2 j.cie5p3 j.cie5p4.ce j.cie5p6 j.cie5p7 j.cie5p8.cube_points_rho0p5 j.cie5p9)
+rsv_add_validation(rooms slow j.cie5p2 j.cie5p3 j.cie5p4.ce j.cie5p6 j.cie5p7 j.cie5p8.cube_points_rho0p5 j.cie5p9.o
+    j.cie5p11.o)
 rsv_add_validation(reference slow --reference a.po b.furnace_object.g d.s d.di d.rect_light.n c.cube.rho0p5 e.l
-    j.cie5p4.ce)
+    f.i f.mirror_p j.cie5p4.ce)
+rsv_add_validation(stored slow --lookup f.interface.n1p33 f.mirror_point.fin f.caustic.n1p33)
 
 rsv_add_validation(all "slow;long" a. b. c. d. e. f. i. j.)
+rsv_add_validation(stored_all "slow;long" --lookup f.)
 # Left out here, tested above: d.rect_light.blocked_low and f.mirror_area.full. Their polygons are kilometres wide,
 # so rays leave them a millimetre off (8 ulp), which the path tracer's small standard errors resolve (0.4 %).
 rsv_add_validation(reference_all "slow;long" --reference a.p a.o b.furnace_box.1 b.furnace_object b.sphere_
     c.two_plates.0p5 c.concentric.1_2 c.cube.rho0p5 d.p d.s d.di d.rect_light.c d.rect_light.n d.rect_light.f
-    d.rect_light.blocked_m d.rect_light.blocked_h e. f.mirror_area.p i. j.)
+    d.rect_light.blocked_m d.rect_light.blocked_h e. f.c f.i f.mirror_area.p f.mirror_p i. j.)
 
 add_executable(test_profiles analytic/profiles.c)
 target_link_libraries(test_profiles PRIVATE rsv_test_support case_file)

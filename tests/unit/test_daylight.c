@@ -546,6 +546,33 @@ static void threads_change_nothing(void **state)
     assert_memory_equal(one, three, sizeof one);
 }
 
+/// Two rooms with a doorway between them, a row of sensors in each; figures of each are those of its own sensors.
+static void rooms_are_told_apart(void **state)
+{
+    (void)state;
+    enum { count = 12 };
+    world *w = world_begin(2);
+    uint32_t grey = world_lambert(w, 0.5f, 0);
+    world_room(w, grey, v3(0, 0, -4), v3(6, 3, 0));
+    world_box(w, grey, v3(2.92f, 0, -4), v3(3.08f, 3, -2.2f));
+    world_box(w, grey, v3(2.92f, 0, -1.2f), v3(3.08f, 3, 0));
+    world_commit(w);
+    rsv_probe sensor[count];
+    uint32_t room[count];
+    size_t rooms;
+    for (int k = 0; k < count; k++) // 0.6 m apart across the wall, through the doorway
+        sensor[k] = up_at(k < 6 ? 2.7f - 0.5f * (float)k : 3.3f + 0.5f * (float)(k - 6), 0.8f,
+            k == 3 ? -1.6f : -1.7f);
+    sensor[0].position.x = sensor[6].position.x - 0.76f;
+    assert_int_equal(rsv_daylight_rooms(w->scene, sensor, count, room, &rooms), RSV_OK);
+    assert_int_equal(rooms, 2);
+    for (int k = 0; k < count; k++)
+        assert_int_equal(room[k], k >= 6);
+    assert_int_equal(rsv_daylight_rooms(w->scene, sensor, 0, room, &rooms), RSV_OK);
+    assert_int_equal(rooms, 0);
+    world_end(w);
+}
+
 static void grids_stand_on_floors(void **state)
 {
     (void)state;
@@ -692,6 +719,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(rooms_without_windows_are_dark),
         cmocka_unit_test(figures_count_hours),
         cmocka_unit_test(grids_stand_on_floors),
+        cmocka_unit_test(rooms_are_told_apart),
         cmocka_unit_test(failing_allocations_are_reported),
     };
     const struct CMUnitTest slow[] = {

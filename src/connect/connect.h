@@ -1,0 +1,42 @@
+/// Specular connections: the light of punctual sources that mirrors, panes, prisms and lenses send to a given place. Neither
+/// shadow rays nor random paths find it.
+///
+/// Rays of each light towards smooth surfaces list the chains of specular events that there are. For a place, Newton's method
+/// solves each chain for the ray that comes by it (Mitchell and Hanrahan 1992). Irradiance is the intensity times what the
+/// surfaces leave of it times the solid angle of the ray per area at the place. Planar surfaces are exact; of curved ones, so
+/// are facets and interpolated normals, but not normal maps.
+#ifndef RSV_CONNECT_H
+#define RSV_CONNECT_H
+
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
+
+typedef struct rsv_connections rsv_connections;
+
+/// Light that arrives at a place along one path.
+typedef struct rsv_connection {
+    rsv_vec3 towards;   ///< unit, where it comes from
+    rsv_rgb irradiance; ///< on a plane that faces it, W/m2
+    bool straight;      ///< nothing has turned it: it has passed thin sheets alone
+} rsv_connection;
+
+#define RSV_MOST_CONNECTIONS 256 ///< of one place
+
+/// @param scene, lights borrowed
+/// @param connections out: NULL where there is nothing to connect: no punctual light or nothing smooth. In fog, too.
+rsv_status rsv_connections_create(
+    const rsv_transport_scene *scene, const rsv_lights *lights, rsv_connections **connections);
+void rsv_connections_destroy(rsv_connections *connections);
+
+/// All connections of a place, each once. Thread-safe. @return how many
+size_t rsv_connect(
+    const rsv_connections *connections, rsv_vec3 point, rsv_connection found[RSV_MOST_CONNECTIONS]);
+
+/// How many chains there are: what rsv_connect costs.
+size_t rsv_connections_chain_count(const rsv_connections *connections);
+
+/// Their irradiance on the side that `normal` (unit) faces. NULL gives 0. @param turned leaves out what is straight
+rsv_rgb rsv_connected_irradiance(
+    const rsv_connections *connections, rsv_vec3 point, rsv_vec3 normal, bool turned);
+
+#endif
