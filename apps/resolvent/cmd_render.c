@@ -421,7 +421,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = solution ? certificate : NULL;
+    stats->certificate = solution && !s->planned ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
@@ -665,8 +665,6 @@ static int run(cli_session *session, const settings *s)
         status = render_planned(session, s, &desc, &subject, &image, &stats);
     else if (is_solved(s))
         status = solve(session, s, &desc, &subject, &certificate);
-    if (status == RSV_OK && s->planned && subject.solution)
-        status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
     if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
     if (status == RSV_OK) {
         exposure = choose_exposure(session, s, image);

@@ -17,7 +17,7 @@ typedef struct cli_stats {
     uint32_t width, height, samples; ///< 0 = not a picture
     uint32_t threads, seed;
     const rsv_solve_report *report;     ///< NULL = nothing was solved
-    const rsv_certificate *certificate; ///< NULL = nothing was solved
+    const rsv_certificate *certificate; ///< NULL = nothing was solved, or a plan has estimates of its own
     const rsv_goal_certificate *goal;   ///< NULL = there was none
     const rsv_error_split *split;       ///< likewise
     bool is_planned;                    ///< by `plan`, not by a quality

@@ -29,7 +29,7 @@ typedef struct rsv_picture_plan {
     bool goal;        ///< elements were spent on what the camera sees
     bool gathers;     ///< indirect light is found by a gather ray per camera ray, not looked up
     uint32_t rounds;  ///< solutions that were made
-    uint32_t samples; ///< camera rays per pixel
+    uint32_t samples; ///< camera rays per pixel, on average
     double noise;     ///< estimated relative MSE by camera samples
     double elements_error; ///< likewise by elements and their rays; NAN = it was not looked at
     bool is_reached;       ///< whether the estimates keep to the wanted error

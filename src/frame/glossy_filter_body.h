@@ -3,47 +3,111 @@
 
 // ---- what tiles bring ---------------------------------------------------------------------------
 
-static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim *restrict aim,
-    rsv_cell_row row, const rsv_glossy_cells *cells, int *restrict speaker)
+static inline bool any_positive(const float *restrict x)
+{
+    int any = 0;
+    for (int k = 0; k < LANES; k++)
+        any |= x[k] > 0;
+    return any;
+}
+
+/// Points of sixteen cells.
+typedef struct cell_places {
+    float x[LANES], y[LANES], z[LANES];
+} __attribute__((aligned(64))) cell_places;
+
+/// Numbers of the pixels that stand for cells.
+static inline void pick(
+    const float *restrict plane, const int *restrict pixel, bool regular, float *restrict to)
+{
+    const float *from = plane + pixel[0];
+    if (regular)
+        for (int k = 0; k < LANES; k++)
+            to[k] = from[2 * k];
+    else
+        for (int k = 0; k < LANES; k++)
+            to[k] = plane[pixel[k]];
+}
+
+/// Whether the same corner of each cell stands for it.
+static inline bool is_regular(const int *restrict pixel)
+{
+    int other = 0;
+    for (int k = 0; k < LANES; k++)
+        other |= pixel[k] ^ (pixel[0] + 2 * k);
+    return other == 0;
+}
+
+/// Finds the pixels of a row that stand for cells: the first of four with a lobe. @param speaker out, -1 = none
+/// @param depth of the pixels, 0 where there are none, out
+static inline void find_speakers(const rsv_glossy_tile *restrict tile, uint32_t frame,
+    uint32_t line, int *restrict speaker, float *restrict depth)
+{
+    for (int k = 0; k < LANES; k++)
+        speaker[k] = -1, depth[k] = 0;
+    for (uint32_t n = 4; n-- > 0;) { // the first choice comes last
+        uint32_t corner = rsv_glossy_speaker(frame, n);
+        int place = (int)((2 * line + corner / 2) * RSV_TILE + corner % 2);
+        const float *from = tile->depth + place;
+        for (int k = 0; k < LANES; k++) {
+            float at = from[2 * k];
+            speaker[k] = at > 0 ? place + 2 * k : speaker[k];
+            depth[k] = at > 0 ? at : depth[k];
+        }
+    }
+}
+
+/// Points that pixels of a tile show. @param pixel of the tile
+static inline void find_places(const rsv_frame_aim *restrict aim, rsv_cell_row row,
+    const int *restrict pixel, const float *restrict depth, cell_places *restrict to)
 {
     const rsv_lens *lens = &aim->lens;
     const rsv_camera *c = &lens->camera;
-    const rsv_glossy_geometry g = cells->now;
-    bool orthographic = c->vertical_fov == 0;
-    size_t at = cells->first + (size_t)(row.row / 2 + row.line) * cells->stride + row.column / 2;
-    for (int k = 0; k < LANES; k++)
-        speaker[k] = -1;
-    for (uint32_t n = 4; n-- > 0;) { // the first choice comes last
-        uint32_t corner = rsv_glossy_speaker(cells->frame, n);
-        const float *depth = tile->depth + (2 * row.line + corner / 2) * RSV_TILE + corner % 2;
-        int place = (int)(depth - tile->depth);
-        for (int k = 0; k < LANES; k++)
-            speaker[k] = depth[2 * k] > 0 ? place + 2 * k : speaker[k];
-    }
+    const float flat = c->vertical_fov == 0 ? 1 : 0; // orthographic
     for (int k = 0; k < LANES; k++) {
-        int pixel = speaker[k] < 0 ? 0 : speaker[k];
-        float depth = speaker[k] < 0 ? 0 : tile->depth[pixel];
-        int i = (int)row.column + pixel % RSV_TILE, j = (int)row.row + pixel / RSV_TILE;
+        int i = (int)row.column + pixel[k] % RSV_TILE, j = (int)row.row + pixel[k] / RSV_TILE;
         float across = ((float)i + aim->place_x - lens->half_width) * lens->pixel_size;
         float upwards = (lens->half_height - ((float)j + aim->place_y)) * lens->pixel_size;
         float x = c->right.x * across + upwards * c->up.x;
         float y = c->right.y * across + upwards * c->up.y;
         float z = c->right.z * across + upwards * c->up.z;
         float dx = c->forward.x + x, dy = c->forward.y + y, dz = c->forward.z + z;
-        float scale = depth / sqrtf(dx * dx + dy * dy + dz * dz);
-        g.x[at + k] = c->position.x + (orthographic ? x + depth * c->forward.x : dx * scale);
-        g.y[at + k] = c->position.y + (orthographic ? y + depth * c->forward.y : dy * scale);
-        g.z[at + k] = c->position.z + (orthographic ? z + depth * c->forward.z : dz * scale);
-        g.depth[at + k] = depth;
-        g.nx[at + k] = tile->normal[0][pixel];
-        g.ny[at + k] = tile->normal[1][pixel];
-        g.nz[at + k] = tile->normal[2][pixel];
-        g.alpha[at + k] = tile->alpha[pixel];
-        cells->even.r[at + k] = tile->even[0][pixel];
-        cells->even.g[at + k] = tile->even[1][pixel];
-        cells->even.b[at + k] = tile->even[2][pixel];
-        cells->fresh.count[at + k] = 0;
+        float scale = depth[k] / sqrtf(dx * dx + dy * dy + dz * dz);
+        float fx = x + depth[k] * c->forward.x, fy = y + depth[k] * c->forward.y,
+              fz = z + depth[k] * c->forward.z;
+        to->x[k] = c->position.x + (flat > 0 ? fx : dx * scale);
+        to->y[k] = c->position.y + (flat > 0 ? fy : dy * scale);
+        to->z[k] = c->position.z + (flat > 0 ? fz : dz * scale);
     }
+}
+
+static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim *restrict aim,
+    rsv_cell_row row, const rsv_glossy_cells *cells, int *restrict speaker)
+{
+    const rsv_glossy_geometry *g = &cells->now;
+    const rsv_glossy_light *even = &cells->even;
+    _Alignas(64) int pixel[LANES];
+    _Alignas(64) float depth[LANES];
+    cell_places places;
+    size_t at = cells->first + (size_t)(row.row / 2 + row.line) * cells->stride + row.column / 2;
+    find_speakers(tile, cells->frame, row.line, speaker, depth);
+    memcpy(g->depth + at, depth, sizeof depth);
+    memset(cells->fresh.count + at, 0, sizeof depth);
+    if (!any_positive(depth)) return;
+    for (int k = 0; k < LANES; k++)
+        pixel[k] = speaker[k] < 0 ? 0 : speaker[k];
+    find_places(aim, row, pixel, depth, &places);
+    memcpy(g->x + at, places.x, sizeof places.x);
+    memcpy(g->y + at, places.y, sizeof places.y);
+    memcpy(g->z + at, places.z, sizeof places.z);
+    bool regular = is_regular(pixel);
+    pick(tile->normal[0], pixel, regular, g->nx + at);
+    pick(tile->normal[1], pixel, regular, g->ny + at);
+    pick(tile->normal[2], pixel, regular, g->nz + at);
+    pick(tile->alpha, pixel, regular, g->alpha + at);
+    pick(tile->even[0], pixel, regular, even->r + at);
+    pick(tile->even[1], pixel, regular, even->g + at);
+    pick(tile->even[2], pixel, regular, even->b + at);
 }
 
 static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels *restrict to)
@@ -133,22 +197,17 @@ static inline light_lanes no_light(void)
 static inline void add_lanes(
     const rsv_glossy_light *l, size_t at, const float *restrict weight, light_lanes *restrict sum)
 {
+    const float *r = l->r + at, *g = l->g + at, *b = l->b + at, *reach = l->reach + at;
+    const float *count = l->count + at;
     for (int k = 0; k < LANES; k++) {
-        float w = weight[k] * l->count[at + k];
-        sum->r[k] += w > 0 ? w * l->r[at + k] : 0;
-        sum->g[k] += w > 0 ? w * l->g[at + k] : 0;
-        sum->b[k] += w > 0 ? w * l->b[at + k] : 0;
-        sum->reach[k] += w > 0 ? w * l->reach[at + k] : 0;
+        float w = weight[k] * count[k];
+        float sr = w * r[k], sg = w * g[k], sb = w * b[k], sreach = w * reach[k];
+        sum->r[k] += w > 0 ? sr : 0; // empty cells hold anything
+        sum->g[k] += w > 0 ? sg : 0;
+        sum->b[k] += w > 0 ? sb : 0;
+        sum->reach[k] += w > 0 ? sreach : 0;
         sum->count[k] += w;
     }
-}
-
-static inline bool any_positive(const float *restrict x)
-{
-    int any = 0;
-    for (int k = 0; k < LANES; k++)
-        any |= x[k] > 0;
-    return any;
 }
 
 static inline float least_of(const float *restrict x)
@@ -301,20 +360,36 @@ static inline void recall(const rsv_glossy_cells *cells, const cell_lanes *restr
 
 // ---- both together ------------------------------------------------------------------------------
 
+/// `to` = where x is more than `least`, `yes`, or else `no`.
+static inline void choose_lanes(const float *restrict x, float least, const float *restrict yes,
+    const float *restrict no, float *restrict to)
+{
+    for (int k = 0; k < LANES; k++) {
+        float a = yes[k], b = no[k];
+        to[k] = x[k] > least ? a : b;
+    }
+}
+
 static inline void keep_light(const rsv_glossy_cells *cells, size_t at,
     const light_lanes *restrict old, const light_lanes *restrict fresh)
 {
-    const rsv_glossy_light *to = &cells->kept;
+    const rsv_glossy_light *to = &cells->kept, *even = &cells->even;
+    light_lanes mean;
     for (int k = 0; k < LANES; k++) {
         float n = old->count[k], count = n + fresh->count[k];
         float scale = count > 1e-3f ? 1 / count : 0;
-        bool none = !(count > 1e-3f);
-        to->r[at + k] = none ? cells->even.r[at + k] : scale * (n * old->r[k] + fresh->r[k]);
-        to->g[at + k] = none ? cells->even.g[at + k] : scale * (n * old->g[k] + fresh->g[k]);
-        to->b[at + k] = none ? cells->even.b[at + k] : scale * (n * old->b[k] + fresh->b[k]);
-        to->reach[at + k] = scale * (n * old->reach[k] + fresh->reach[k]);
-        to->count[at + k] = cells->now.depth[at + k] > 0 ? count : 0;
+        mean.r[k] = scale * (n * old->r[k] + fresh->r[k]);
+        mean.g[k] = scale * (n * old->g[k] + fresh->g[k]);
+        mean.b[k] = scale * (n * old->b[k] + fresh->b[k]);
+        mean.reach[k] = scale * (n * old->reach[k] + fresh->reach[k]);
+        mean.count[k] = count;
     }
+    choose_lanes(mean.count, 1e-3f, mean.r, even->r + at, to->r + at);
+    choose_lanes(mean.count, 1e-3f, mean.g, even->g + at, to->g + at);
+    choose_lanes(mean.count, 1e-3f, mean.b, even->b + at, to->b + at);
+    memcpy(to->reach + at, mean.reach, sizeof mean.reach);
+    const float none[LANES] = { 0 };
+    choose_lanes(cells->now.depth + at, 0, mean.count, none, to->count + at);
 }
 
 /// This frame's samples and the frames before, for sixteen cells.
@@ -378,12 +453,12 @@ static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_
             add_lanes(kept, there, weight, &sum);
         }
     for (int k = 0; k < LANES; k++) {
-        bool none = !(sum.count[k] > 1e-2f * ANY_WEIGHT);
-        float scale = none ? 0 : 1 / sum.count[k];
-        to->r[at + k] = none ? kept->r[at + k] : scale * sum.r[k];
-        to->g[at + k] = none ? kept->g[at + k] : scale * sum.g[k];
-        to->b[at + k] = none ? kept->b[at + k] : scale * sum.b[k];
+        float scale = sum.count[k] > 1e-2f * ANY_WEIGHT ? 1 / sum.count[k] : 0;
+        sum.r[k] *= scale, sum.g[k] *= scale, sum.b[k] *= scale;
     }
+    choose_lanes(sum.count, 1e-2f * ANY_WEIGHT, sum.r, kept->r + at, to->r + at);
+    choose_lanes(sum.count, 1e-2f * ANY_WEIGHT, sum.g, kept->g + at, to->g + at);
+    choose_lanes(sum.count, 1e-2f * ANY_WEIGHT, sum.b, kept->b + at, to->b + at);
 }
 
 // ---- back to pixels -----------------------------------------------------------------------------
@@ -394,24 +469,85 @@ typedef struct pixel_lanes {
     float r[LANES], g[LANES], b[LANES], weight[LANES];
 } __attribute__((aligned(64))) pixel_lanes;
 
+typedef float vector_lanes __attribute__((vector_size(4 * LANES)));
+typedef int index_lanes __attribute__((vector_size(4 * LANES)));
+
+/// Numbers of the cells that sixteen pixels in a row lie in, or of their neighbours to the side.
+/// @param plane from the cell before the first one on
+static inline void spread_cells(const float *plane, bool beside, float *restrict to)
+{
+    const index_lanes own = { 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8 };
+    const index_lanes other = { 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9 };
+    vector_lanes cells;
+    memcpy(&cells, plane, sizeof cells);
+    cells = beside ? __builtin_shuffle(cells, other) : __builtin_shuffle(cells, own);
+    memcpy(to, &cells, sizeof cells);
+}
+
 /// Adds cells of one line: those that pixels lie in, or their neighbours to the side. @param near by the line
 static inline void add_line(
     const rsv_glossy_cells *cells, size_t at, bool beside, float near, pixel_lanes *restrict p)
 {
     const rsv_glossy_geometry *g = &cells->now;
     const rsv_glossy_light *l = &cells->shown;
+    _Alignas(64) float depth[LANES], nx[LANES], ny[LANES], nz[LANES], red[LANES], green[LANES],
+        blue[LANES];
     float share = near * (beside ? 0.25f : 0.75f);
+    spread_cells(g->depth + at - 1, beside, depth);
+    spread_cells(g->nx + at - 1, beside, nx);
+    spread_cells(g->ny + at - 1, beside, ny);
+    spread_cells(g->nz + at - 1, beside, nz);
+    spread_cells(l->r + at - 1, beside, red);
+    spread_cells(l->g + at - 1, beside, green);
+    spread_cells(l->b + at - 1, beside, blue);
     for (int k = 0; k < LANES; k++) {
-        size_t cell = at + (size_t)(k / 2) + (size_t)(beside ? (k & 1 ? 1 : -1) : 0);
-        float cos = p->nx[k] * g->nx[cell] + p->ny[k] * g->ny[cell] + p->nz[k] * g->nz[cell];
-        float behind = (g->depth[cell] - p->depth[k]) * p->closer[k];
+        float cos = p->nx[k] * nx[k] + p->ny[k] * ny[k] + p->nz[k] * nz[k];
+        float behind = (depth[k] - p->depth[k]) * p->closer[k];
         float alike = f_max(1 - 8 * (1 - cos), 1e-3f), level = 1 / (1 + 400 * behind * behind);
-        float w = g->depth[cell] > 0 ? share * alike * alike * level : 0;
-        p->r[k] += w > 0 ? w * l->r[cell] : 0;
-        p->g[k] += w > 0 ? w * l->g[cell] : 0;
-        p->b[k] += w > 0 ? w * l->b[cell] : 0;
+        float weight = share * alike * alike * level;
+        float w = depth[k] > 0 ? weight : 0;
+        float r = w * red[k], g_ = w * green[k], b = w * blue[k];
+        p->r[k] += w > 0 ? r : 0; // empty cells hold anything
+        p->g[k] += w > 0 ? g_ : 0;
+        p->b[k] += w > 0 ? b : 0;
         p->weight[k] += w;
     }
+}
+
+/// Sixteen pixels as they were packed. @param first of them
+static inline void unpack_pixels(
+    const rsv_glossy_pixels *pixels, uint32_t first, pixel_lanes *restrict p)
+{
+    const int16_t *nx = pixels->normal[0] + first, *ny = pixels->normal[1] + first,
+                  *nz = pixels->normal[2] + first;
+    const float *depth = pixels->depth + first;
+    memset(p, 0, sizeof *p);
+    for (int k = 0; k < LANES; k++) {
+        p->depth[k] = depth[k];
+        p->closer[k] = 1 / (depth[k] + 1e-6f);
+        p->nx[k] = (float)nx[k] * (1.0f / 32767);
+        p->ny[k] = (float)ny[k] * (1.0f / 32767);
+        p->nz[k] = (float)nz[k] * (1.0f / 32767);
+    }
+}
+
+/// Adds the light of sixteen pixels, times their albedo. @param radiance [LANES][4] in and out
+static inline void add_lobes(const rsv_glossy_pixels *pixels, uint32_t first,
+    const pixel_lanes *restrict p, float *restrict radiance)
+{
+    const uint16_t *red = pixels->albedo[0] + first, *green = pixels->albedo[1] + first,
+                   *blue = pixels->albedo[2] + first;
+    _Alignas(64) float light[4 * LANES];
+    for (int k = 0; k < LANES; k++) {
+        float scale = (1.0f / 65535) / f_max(p->weight[k], 1e-30f);
+        scale = f_min(p->depth[k], p->weight[k]) > 0 ? scale : 0;
+        light[4 * k] = scale * p->r[k] * (float)red[k];
+        light[4 * k + 1] = scale * p->g[k] * (float)green[k];
+        light[4 * k + 2] = scale * p->b[k] * (float)blue[k];
+        light[4 * k + 3] = 0;
+    }
+    for (int k = 0; k < 4 * LANES; k++)
+        radiance[k] += light[k];
 }
 
 static void light_pixels(const rsv_glossy_cells *cells, const rsv_glossy_pixels *restrict pixels,
@@ -421,23 +557,10 @@ static void light_pixels(const rsv_glossy_cells *cells, const rsv_glossy_pixels 
     ptrdiff_t line = y & 1 ? (ptrdiff_t)cells->stride : -(ptrdiff_t)cells->stride;
     pixel_lanes p;
     if (!any_positive(pixels->depth + first)) return;
-    memset(&p, 0, sizeof p);
-    for (int k = 0; k < LANES; k++) {
-        p.depth[k] = pixels->depth[first + k];
-        p.closer[k] = 1 / (p.depth[k] + 1e-6f);
-        p.nx[k] = (float)pixels->normal[0][first + k] * (1.0f / 32767);
-        p.ny[k] = (float)pixels->normal[1][first + k] * (1.0f / 32767);
-        p.nz[k] = (float)pixels->normal[2][first + k] * (1.0f / 32767);
-    }
+    unpack_pixels(pixels, first, &p);
     for (int beside = 0; beside < 2; beside++) {
         add_line(cells, cell, beside, 0.75f, &p);
         add_line(cells, (size_t)((ptrdiff_t)cell + line), beside, 0.25f, &p);
     }
-    for (int k = 0; k < LANES; k++) {
-        float scale = p.depth[k] > 0 && p.weight[k] > 0 ? (1.0f / 65535) / p.weight[k] : 0;
-        float *out = radiance[first + k];
-        out[0] += scale * p.r[k] * (float)pixels->albedo[0][first + k];
-        out[1] += scale * p.g[k] * (float)pixels->albedo[1][first + k];
-        out[2] += scale * p.b[k] * (float)pixels->albedo[2][first + k];
-    }
+    add_lobes(pixels, first, &p, radiance[first]);
 }

@@ -202,6 +202,50 @@ static inline void note_lobes(const rsv_ray_packet *restrict p, const glossy_lan
     tile->count++;
 }
 
+/// One channel of what lanes show: base and even lobes.
+/// @param channel irradiance in, radiance out, where `glossy` is not 0
+static inline void show_channel(int c, const int *restrict glossy,
+    const glossy_constants *restrict constant, lobe_lanes *restrict lobes, float *restrict channel)
+{
+    const float *color = constant->color[c], *emission = constant->emission[c];
+    const float *base = lobes->value[c], *lobe = lobes->value[4 + c];
+    for (int k = 0; k < LANES; k++) {
+        float mean = channel[k] * (1 / RSV_PI), left = constant->even[k] ? lobe[k] : 0;
+        float share = color[k] * base[k] + left, shown = emission[k] + mean * share;
+        lobes->mean[c][k] = mean;
+        channel[k] = glossy[k] ? shown : channel[k];
+    }
+}
+
+/// What lanes show but for the lobes that are left to be lit. @param radiance of their block, in and out
+static inline void show_bases(const rsv_ray_packet *restrict p, uint32_t lanes,
+    const glossy_constants *restrict constant, lobe_lanes *restrict lobes,
+    float (*restrict radiance)[4])
+{
+    _Alignas(64) float shown[4 * LANES], channel[4][LANES];
+    _Alignas(64) int glossy[LANES];
+    for (int row = 0; row < RSV_BLOCK; row++)
+        memcpy(
+            shown + 4 * RSV_BLOCK * row, radiance[row * RSV_TILE], 4 * RSV_BLOCK * sizeof *shown);
+    for (int k = 0; k < LANES; k++) {
+        glossy[k] = (int)(lanes >> k & 1);
+        lobes->depth[k] = glossy[k] & ~constant->even[k] ? p->t_max[k] : 0;
+    }
+    for (int k = 0; k < LANES; k++) {
+        channel[0][k] = shown[4 * k], channel[1][k] = shown[4 * k + 1];
+        channel[2][k] = shown[4 * k + 2], channel[3][k] = shown[4 * k + 3];
+    }
+    for (int c = 0; c < 3; c++)
+        show_channel(c, glossy, constant, lobes, channel[c]);
+    for (int k = 0; k < LANES; k++) {
+        shown[4 * k] = channel[0][k], shown[4 * k + 1] = channel[1][k];
+        shown[4 * k + 2] = channel[2][k], shown[4 * k + 3] = channel[3][k];
+    }
+    for (int row = 0; row < RSV_BLOCK; row++)
+        memcpy(
+            radiance[row * RSV_TILE], shown + 4 * RSV_BLOCK * row, 4 * RSV_BLOCK * sizeof *shown);
+}
+
 static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
     const float *restrict width, uint32_t lanes, float (*restrict radiance)[4],
     rsv_glossy_block block)
@@ -217,17 +261,6 @@ static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packe
     find_normals(p, corner, &g);
     find_rows(s->materials, &g, lobes.value);
     find_constants(s, p, width, lanes, &g, &constant);
-    for (int k = 0; k < LANES; k++) {
-        bool glossy = lanes >> k & 1, even = constant.even[k];
-        float *out = radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
-        for (int c = 0; c < 3; c++) {
-            lobes.mean[c][k] = out[c] * (1 / RSV_PI);
-            float left = even ? lobes.value[4 + c][k] : 0;
-            float share = constant.color[c][k] * lobes.value[c][k] + left;
-            float shown = constant.emission[c][k] + lobes.mean[c][k] * share;
-            out[c] = glossy ? shown : out[c];
-        }
-        lobes.depth[k] = (glossy & !even) ? p->t_max[k] : 0;
-    }
+    show_bases(p, lanes, &constant, &lobes, radiance);
     if (any_positive(lobes.depth)) note_lobes(p, &g, &constant, &lobes, block);
 }

@@ -25,12 +25,11 @@ static inline void find_range(
 #define EVEN_RANGE 0.02f
 
 /// Pixels around which radiance varies, a bit each. The others show their own sample.
-static inline uint32_t find_uneven(
-    const float (*restrict low)[4], const float (*restrict high)[4], int first)
+static inline uint32_t find_uneven(const float (*restrict low)[4], const float (*restrict high)[4])
 {
     _Alignas(64) int uneven[LANES];
     for (int k = 0; k < LANES; k++) {
-        const float *l = low[first + k], *h = high[first + k];
+        const float *l = low[k], *h = high[k];
         float range = f_max(f_max(h[0] - l[0], h[1] - l[1]), h[2] - l[2]);
         uneven[k] = range > EVEN_RANGE * f_max(f_max(h[0], h[1]), h[2]) ? 1 : 0;
     }
@@ -55,8 +54,12 @@ typedef struct earlier_lanes {
 } __attribute__((aligned(64))) earlier_lanes;
 
 /// Points at these depths along the rays of sixteen pixels.
+typedef struct seen_lanes {
+    float x[LANES], y[LANES], z[LANES];
+} __attribute__((aligned(64))) seen_lanes;
+
 static inline void find_seen(const rsv_frame_history *h, uint32_t column, uint32_t row,
-    const float *restrict depth, float (*restrict point)[LANES])
+    const float *restrict depth, seen_lanes *restrict point)
 {
     const rsv_lens *lens = &h->lens;
     const rsv_camera *c = &lens->camera;
@@ -70,91 +73,160 @@ static inline void find_seen(const rsv_frame_history *h, uint32_t column, uint32
         float z = c->right.z * across + upwards * c->up.z;
         float dx = c->forward.x + x, dy = c->forward.y + y, dz = c->forward.z + z;
         float scale = depth[k] / sqrtf(dx * dx + dy * dy + dz * dz);
-        point[0][k] = c->position.x + (orthographic ? x + depth[k] * c->forward.x : dx * scale);
-        point[1][k] = c->position.y + (orthographic ? y + depth[k] * c->forward.y : dy * scale);
-        point[2][k] = c->position.z + (orthographic ? z + depth[k] * c->forward.z : dz * scale);
+        point->x[k] = c->position.x + (orthographic ? x + depth[k] * c->forward.x : dx * scale);
+        point->y[k] = c->position.y + (orthographic ? y + depth[k] * c->forward.y : dy * scale);
+        point->z[k] = c->position.z + (orthographic ? z + depth[k] * c->forward.z : dz * scale);
     }
 }
 
 static inline void find_earlier(const rsv_frame_history *h, uint32_t column, uint32_t row,
     const float *restrict depth, earlier_lanes *restrict to)
 {
-    _Alignas(64) float point[3][LANES];
+    seen_lanes point;
     const rsv_lens *lens = &h->lens_before;
+    float half_width = lens->half_width, half_height = lens->half_height;
+    float pixel_size = lens->pixel_size, place_x = h->place_x, place_y = h->place_y;
     const rsv_camera *c = &lens->camera;
-    bool orthographic = c->vertical_fov == 0;
-    find_seen(h, column, row, depth, point);
+    const float flat = c->vertical_fov == 0 ? 1 : 0; // orthographic
+    find_seen(h, column, row, depth, &point);
     for (int k = 0; k < LANES; k++) {
-        float x = point[0][k] - c->position.x, y = point[1][k] - c->position.y,
-              z = point[2][k] - c->position.z;
+        float x = point.x[k] - c->position.x, y = point.y[k] - c->position.y,
+              z = point.z[k] - c->position.z;
         float ahead = x * c->forward.x + y * c->forward.y + z * c->forward.z;
         float right = x * c->right.x + y * c->right.y + z * c->right.z;
         float up = x * c->up.x + y * c->up.y + z * c->up.z;
-        float scale = 1 / ((orthographic ? 1 : ahead) * lens->pixel_size);
-        bool seen = orthographic | (ahead > 0);
-        float i = lens->half_width + right * scale - h->place_x;
-        float j = lens->half_height - up * scale - h->place_y;
-        to->x[k] = seen ? f_min(f_max(i, -4), 1e5f) : -4;
-        to->y[k] = seen ? f_min(f_max(j, -4), 1e5f) : -4;
-        to->distance[k] = orthographic ? ahead : sqrtf(x * x + y * y + z * z);
+        float away = sqrtf(x * x + y * y + z * z);
+        float scale = flat > 0 ? 1 : 1 / f_max(ahead, 1e-30f);
+        float i = half_width + right * (scale / pixel_size) - place_x;
+        float j = half_height - up * (scale / pixel_size) - place_y;
+        i = f_min(f_max(i, -4), 1e5f), j = f_min(f_max(j, -4), 1e5f);
+        bool seen = f_max(ahead, flat) > 0;
+        to->x[k] = seen ? i : -4;
+        to->y[k] = seen ? j : -4;
+        to->distance[k] = flat > 0 ? ahead : away;
     }
 }
+
+/// What sixteen pixels look up in the frame before.
+typedef struct history_lanes {
+    int left[LANES], top[LANES];            ///< pixel up and left of each place
+    float across[4][LANES], down[4][LANES]; ///< weights of four columns and rows around it
+    float shown[LANES][4];                  ///< radiance, and the number of frames
+    float frames[LANES];                    ///< that it is the mean of
+} __attribute__((aligned(64))) history_lanes;
 
 /// Weights of four neighbours in a row, by a cubic that passes through them (Catmull and Rom 1974).
-static inline void cubic_weights(float t, float weight[4])
+/// @param t [LANES] of the way from the second one to the third
+static inline void cubic_weights(const float *restrict t, float (*restrict weight)[LANES])
 {
-    weight[0] = t * (-0.5f + t * (1 - 0.5f * t));
-    weight[1] = 1 + t * t * (-2.5f + 1.5f * t);
-    weight[2] = t * (0.5f + t * (2 - 1.5f * t));
-    weight[3] = t * t * (-0.5f + 0.5f * t);
-}
-
-static inline int into(int x, uint32_t count)
-{
-    int last = (int)count - 1;
-    return x < 0 ? 0 : x > last ? last : x;
-}
-
-/// What was shown at a place, and of how many frames that is the mean.
-static inline rsv_float4 shown_at(const rsv_frame_history *h, float x, float y)
-{
-    float left = floorf(x), top = floorf(y), across[4], down[4];
-    int first = (int)left - 1;
-    rsv_float4 sum = { 0, 0, 0, 0 };
-    bool inside = first >= 0 && first + 3 < (int)h->width;
-    cubic_weights(x - left, across);
-    cubic_weights(y - top, down);
-    for (int j = 0; j < 4; j++) {
-        const rsv_float4 *row = (const rsv_float4 *)h->shown_before[rsv_history_place(
-            h, 0, (uint32_t)into((int)top - 1 + j, h->height))];
-        rsv_float4 line = { 0, 0, 0, 0 };
-        if (inside)
-            for (int i = 0; i < 4; i++)
-                line += across[i] * row[first + i];
-        else
-            for (int i = 0; i < 4; i++)
-                line += across[i] * row[into(first + i, h->width)];
-        sum += down[j] * line;
+    for (int k = 0; k < LANES; k++) {
+        float x = t[k];
+        weight[0][k] = x * (-0.5f + x * (1 - 0.5f * x));
+        weight[1][k] = 1 + x * x * (-2.5f + 1.5f * x);
+        weight[2][k] = x * (0.5f + x * (2 - 1.5f * x));
+        weight[3][k] = x * x * (-0.5f + 0.5f * x);
     }
-    return sum;
+}
+
+static inline void find_taps(const earlier_lanes *restrict from, history_lanes *restrict to)
+{
+    _Alignas(64) float x[LANES], y[LANES];
+    for (int k = 0; k < LANES; k++) {
+        to->left[k] = floor_of(from->x[k]);
+        to->top[k] = floor_of(from->y[k]);
+        x[k] = from->x[k] - (float)to->left[k];
+        y[k] = from->y[k] - (float)to->top[k];
+    }
+    cubic_weights(x, to->across);
+    cubic_weights(y, to->down);
+}
+
+static inline int into(int x, int count)
+{
+    int low = x < 0 ? 0 : x;
+    return low < count ? low : count - 1;
+}
+
+/// Four pixels of each of four lines, the lines weighed.
+/// @param line first pixel of each @param weight of the lines @param sum [16] out
+static inline void add_lines(const float *const line[4], const float weight[4], float *restrict sum)
+{
+    const float *a = line[0], *b = line[1], *c = line[2], *d = line[3];
+    for (int k = 0; k < 16; k++)
+        sum[k] = weight[0] * a[k] + weight[1] * b[k] + weight[2] * c[k] + weight[3] * d[k];
+}
+
+/// What was shown at the place of a lane.
+static inline void look_back(const rsv_frame_history *h, history_lanes *restrict at, int lane)
+{
+    _Alignas(64) float edge[4][16], sum[16];
+    const float *line[4];
+    int width = (int)h->width, first = at->left[lane] - 1, top = at->top[lane] - 1;
+    bool inside = first >= 0 && first + 3 < width;
+    for (int j = 0; j < 4; j++) {
+        uint32_t row = (uint32_t)into(top + j, (int)h->height);
+        const float(*pixel)[4] = h->shown_before + rsv_history_place(h, 0, row);
+        line[j] = inside ? pixel[first] : edge[j];
+        for (int i = 0; i < 4 && !inside; i++)
+            memcpy(edge[j] + 4 * i, pixel[into(first + i, width)], sizeof *pixel);
+    }
+    const float weight[4] = { at->down[0][lane], at->down[1][lane], at->down[2][lane],
+        at->down[3][lane] };
+    add_lines(line, weight, sum);
+    for (int c = 0; c < 4; c++)
+        at->shown[lane][c] = at->across[0][lane] * sum[c] + at->across[1][lane] * sum[4 + c] +
+                             at->across[2][lane] * sum[8 + c] + at->across[3][lane] * sum[12 + c];
+    at->frames[lane] = at->shown[lane][3];
 }
 
 /// Depths that differ less belong to one surface.
 #define SAME_DEPTH 0.1f
 
-/// Whether the picture showed something at about this distance there.
-static inline bool was_shown(const rsv_frame_history *h, float x, float y, float distance)
+/// Lanes near whose places the picture showed something at about their distance, lane by lane.
+/// @param right, below 0 or 1 pixel from the one up and left
+static inline void find_alike(const rsv_frame_history *h, const history_lanes *restrict at,
+    const earlier_lanes *restrict from, const int *restrict right, const int *restrict below,
+    int *restrict shown)
 {
-    if (!(x > -0.5f && y > -0.5f && x < (float)h->width - 0.5f && y < (float)h->height - 0.5f))
-        return false;
-    int left = (int)floorf(x), top = (int)floorf(y);
-    for (int tap = 0; tap < 4; tap++) {
-        uint32_t i = (uint32_t)into(left + (tap & 1), h->width),
-                 j = (uint32_t)into(top + (tap >> 1), h->height);
-        float then = h->depth_before[rsv_history_place(h, i, j)];
-        if (fabsf(then - distance) < SAME_DEPTH * distance) return true;
+    _Alignas(64) int index[LANES];
+    _Alignas(64) float then[LANES];
+    int width = (int)h->width, height = (int)h->height, stride = (int)h->stride;
+    for (int k = 0; k < LANES; k++)
+        index[k] =
+            into(at->top[k] + below[k], height) * stride + into(at->left[k] + right[k], width);
+    gather(h->depth_before, index, then);
+    for (int k = 0; k < LANES; k++) {
+        float distance = from->distance[k];
+        shown[k] |= fabsf(then[k] - distance) < SAME_DEPTH * distance ? 1 : 0;
     }
-    return false;
+}
+
+/// The same of the pixel that a place lies in, and then of the others around, a bit each.
+/// @param asked lanes that are to be known
+static inline uint32_t find_shown(const rsv_frame_history *h, uint32_t asked,
+    const history_lanes *restrict at, const earlier_lanes *restrict from)
+{
+    _Alignas(64) int shown[LANES], right[LANES], below[LANES];
+    float last_x = (float)h->width - 0.5f, last_y = (float)h->height - 0.5f;
+    for (int k = 0; k < LANES; k++) {
+        shown[k] = 0;
+        right[k] = from->x[k] - (float)at->left[k] > 0.5f ? 1 : 0;
+        below[k] = from->y[k] - (float)at->top[k] > 0.5f ? 1 : 0;
+    }
+    find_alike(h, at, from, right, below, shown);
+    for (int tap = 1; tap < 4 && (asked & ~lanes_set(shown)); tap++) {
+        for (int k = 0; k < LANES; k++) {
+            right[k] ^= tap & 1;
+            below[k] ^= tap == 2 ? 1 : 0;
+        }
+        find_alike(h, at, from, right, below, shown);
+    }
+    for (int k = 0; k < LANES; k++) {
+        float x = from->x[k], y = from->y[k];
+        bool inside = (x > -0.5f) & (y > -0.5f) & (x < last_x) & (y < last_y);
+        shown[k] = inside ? shown[k] : 0;
+    }
+    return lanes_set(shown) & asked;
 }
 
 /// What the middle of a pixel shows, between the samples of this frame around it. @param middle of the window
@@ -173,43 +245,85 @@ static inline void interpolate(
     out[3] = 1;
 }
 
-/// Adds a pixel's sample to the mean of what was shown before. @param low, high radiance around it
-static inline void recall_pixel(const rsv_frame_history *h, const float (*restrict now)[4],
-    const float *restrict low, const float *restrict high, rsv_float4 old, float *restrict out)
+/// Adds the samples of lanes to the mean of what was shown before.
+/// @param low, high radiance around them @param radiance in and out; unchanged in other lanes
+static inline void add_samples(const rsv_frame_history *h, uint32_t lanes,
+    const history_lanes *restrict at, const float *restrict low, const float *restrict high,
+    float *restrict radiance)
 {
-    float count = h->keep * f_min(f_max(old[3], 1), RSV_HISTORY_FRAMES - 1);
-    float share = 1 / (count + 1);
-    for (int c = 0; c < 3; c++) {
-        float kept = f_min(f_max(old[c], low[c]), high[c]);
-        out[c] = kept + share * (now[0][c] - kept);
+    _Alignas(64) float share[4 * LANES];
+    const float *old = at->shown[0], keep = h->keep;
+    for (int k = 0; k < LANES; k++) {
+        float count = keep * f_min(f_max(at->frames[k], 1), RSV_HISTORY_FRAMES - 1) + 1;
+        share[4 * k] = share[4 * k + 1] = share[4 * k + 2] = 1 / count;
+        share[4 * k + 3] = count;
     }
-    out[3] = count + 1;
+    for (int k = 0; k < 4 * LANES; k++) {
+        float kept = f_min(f_max(old[k], low[k]), high[k]);
+        float mean = kept + share[k] * (radiance[k] - kept);
+        mean = k % 4 == 3 ? share[k] : mean;
+        radiance[k] = lanes >> (k / 4) & 1 ? mean : radiance[k];
+    }
+}
+
+/// Sixteen pixels of a tile's row.
+typedef struct history_block {
+    const rsv_history_window *window;
+    uint32_t column, row;              ///< of the first one in the picture
+    uint32_t line, first;              ///< and in the tile
+    const float (*low)[4], (*high)[4]; ///< radiance around each
+} history_block;
+
+/// Asks the memory for what the next row will look up: rows of a picture are far apart.
+static inline void approach_history(const rsv_frame_history *h, const history_lanes *restrict at)
+{
+    int width = (int)h->width, height = (int)h->height, left = into(at->left[0] - 1, width);
+    size_t near = rsv_history_place(h, (uint32_t)left, (uint32_t)into(at->top[0] + 2, height));
+    size_t far = rsv_history_place(h, (uint32_t)left, (uint32_t)into(at->top[0] + 3, height));
+    size_t after = h->width - (size_t)left, count = after < LANES + 4 ? after : LANES + 4;
+    __builtin_prefetch(h->depth_before + near);
+    __builtin_prefetch(h->depth_before + near + count - 1);
+    for (size_t k = 0; k < count; k += 4)
+        __builtin_prefetch(h->shown_before[far + k]);
+}
+
+static inline void recall_block(
+    const rsv_frame_history *h, const history_block *b, uint32_t uneven, float (*radiance)[4])
+{
+    _Alignas(64) float depth[LANES];
+    earlier_lanes earlier;
+    history_lanes at;
+    const rsv_history_window *w = b->window;
+    find_nearest((const float(*)[WIDE])(w->depth[b->line] + b->first), depth);
+    find_earlier(h, b->column, b->row, depth, &earlier);
+    find_taps(&earlier, &at);
+    approach_history(h, &at);
+    uint32_t shown = find_shown(h, uneven, &at, &earlier);
+    memset(at.shown, 0, sizeof at.shown);
+    memset(at.frames, 0, sizeof at.frames);
+    for (uint32_t left = shown; left; left &= left - 1)
+        look_back(h, &at, __builtin_ctz(left));
+    add_samples(h, shown, &at, b->low[0], b->high[0], radiance[0]);
+    for (uint32_t left = uneven & ~shown; left; left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left);
+        interpolate(h, w->now[b->line + 1] + b->first + lane + 1, radiance[lane]);
+    }
 }
 
 /// One row of a tile: its samples, and what was shown before where they vary.
 static void recall_row(const rsv_frame_history *h, const rsv_history_window *w, uint32_t column,
     uint32_t row, uint32_t line, float (*restrict radiance)[4])
 {
-    _Alignas(64) float low[RSV_TILE][4], high[RSV_TILE][4], depth[LANES];
-    earlier_lanes earlier;
+    _Alignas(64) float low[RSV_TILE][4], high[RSV_TILE][4];
     memcpy(radiance, w->now[line + 1] + 1, RSV_TILE * sizeof *radiance);
     for (int k = 0; k < RSV_TILE; k++)
         radiance[k][3] = h->keep > 0 ? RSV_HISTORY_FRAMES : 1;
     if (!(h->keep > 0)) return;
     find_range(w->now + line, low, high);
-    for (int first = 0; first < RSV_TILE; first += LANES) {
-        uint32_t uneven = find_uneven(low, high, first);
-        if (!uneven) continue;
-        find_nearest((const float(*)[WIDE])(w->depth[line] + first), depth);
-        find_earlier(h, column + (uint32_t)first, row, depth, &earlier);
-        for (; uneven; uneven &= uneven - 1) {
-            int lane = __builtin_ctz(uneven), k = first + lane;
-            const float(*now)[4] = w->now[line + 1] + k + 1;
-            float x = earlier.x[lane], y = earlier.y[lane];
-            if (was_shown(h, x, y, earlier.distance[lane]))
-                recall_pixel(h, now, low[k], high[k], shown_at(h, x, y), radiance[k]);
-            else
-                interpolate(h, now, radiance[k]);
-        }
+    for (uint32_t first = 0; first < RSV_TILE; first += LANES) {
+        const history_block block = { w, column + first, row, line, first,
+            (const float(*)[4])low + first, (const float(*)[4])high + first };
+        uint32_t uneven = find_uneven(block.low, block.high);
+        if (uneven) recall_block(h, &block, uneven, radiance + first);
     }
 }

@@ -43,30 +43,65 @@ static inline float texel_density(const rsv_scene_view *scene, const rsv_texture
     return texels / v3_length(v3_cross(edge1, edge2));
 }
 
+/// Triangles of the lanes in texture coordinates.
+typedef struct chart_lanes {
+    float u[LANES], v[LANES], du[2][LANES], dv[2][LANES];
+    float density[LANES]; ///< texels per square metre
+} __attribute__((aligned(64))) chart_lanes;
+
+/// The same triangle in the lanes from `first` to before `end`.
+static inline void set_charts(
+    const rsv_texture_triangle *t, float density, int first, int end, chart_lanes *restrict to)
+{
+    for (int k = first; k < end; k++) {
+        to->u[k] = t->u, to->v[k] = t->v;
+        to->du[0][k] = t->du[0], to->du[1][k] = t->du[1];
+        to->dv[0][k] = t->dv[0], to->dv[1][k] = t->dv[1];
+        to->density[k] = density;
+    }
+}
+
+/// @param triangle of each lane
+static inline void find_charts(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    const int *restrict triangle, chart_lanes *restrict to)
+{
+    const rsv_texture *texture = &scene->texture[ref->texture];
+    for (int k = 0, end; k < LANES; k = end) {
+        const uint32_t *corner = scene->triangle[triangle[k]];
+        rsv_texture_triangle t = rsv_texture_triangle_of(scene, ref, corner);
+        for (end = k + 1; end < LANES && triangle[end] == triangle[k];)
+            end++;
+        set_charts(&t, texel_density(scene, texture, &t, corner), k, end, to);
+    }
+}
+
+/// Two levels share what lies between them but for a half of the way: most packets need one alone.
+static inline float share_of_coarser(float between)
+{
+    return f_min(f_max(2 * between - 0.5f, 0), 1);
+}
+
 /// @param triangle of each lane @param width of the lanes' footprints, metres
 static inline void find_texture_lanes(const rsv_scene_view *scene, const rsv_texture_ref *ref,
     const int *restrict triangle, const rsv_ray_packet *restrict p, const float *restrict width,
     texture_lanes *restrict to)
 {
-    const rsv_texture *texture = &scene->texture[ref->texture];
-    rsv_texture_triangle t = { 0 };
-    _Alignas(64) float density[LANES];
-    float last = (float)(texture->level_count - 1);
+    chart_lanes chart;
+    int last = (int)scene->texture[ref->texture].level_count - 1;
+    find_charts(scene, ref, triangle, &chart);
     for (int k = 0; k < LANES; k++) {
-        const uint32_t *corner = scene->triangle[triangle[k]];
-        bool same = k > 0 && triangle[k] == triangle[k - 1];
-        if (!same) t = rsv_texture_triangle_of(scene, ref, corner);
-        density[k] = same ? density[k - 1] : texel_density(scene, texture, &t, corner);
-        to->u[k] = rsv_tame(t.u + p->u[k] * t.du[0] + p->v[k] * t.du[1]);
-        to->v[k] = rsv_tame(t.v + p->u[k] * t.dv[0] + p->v[k] * t.dv[1]);
+        float u = p->u[k], v = p->v[k];
+        to->u[k] = rsv_tame(chart.u[k] + u * chart.du[0][k] + v * chart.du[1][k]);
+        to->v[k] = rsv_tame(chart.v[k] + u * chart.dv[0][k] + v * chart.dv[1][k]);
     }
     for (int k = 0; k < LANES; k++) {
-        float texels = f_min(f_max(width[k] * width[k] * density[k], 1), 1e30f);
-        float level = f_min(f_max(0.5f * rough_log2(texels), 0), last);
-        int finer = (int)level;
-        to->level[0][k] = finer;
-        to->level[1][k] = finer + 1 < (int)last ? finer + 1 : (int)last;
-        to->coarser[k] = level - (float)finer;
+        float texels = f_min(f_max(width[k] * width[k] * chart.density[k], 1), 1e30f);
+        float level = f_min(f_max(0.5f * rough_log2(texels), 0), (float)last);
+        int finer = (int)level, coarser = finer + 1 < last ? finer + 1 : last;
+        float share = share_of_coarser(level - (float)finer);
+        to->level[0][k] = share < 1 ? finer : coarser;
+        to->level[1][k] = coarser;
+        to->coarser[k] = share < 1 ? share : 0;
     }
 }
 
@@ -76,13 +111,20 @@ static inline int floor_of(float x)
     return whole - (x < (float)whole ? 1 : 0);
 }
 
-/// A coordinate moved into the picture, as it repeats.
-static inline float wrapped_coordinate(float x, rsv_wrap wrap)
+/// Coordinates moved into the picture, as it repeats.
+static inline void wrap_coordinates(rsv_wrap wrap, float *restrict x)
 {
-    if (wrap == RSV_WRAP_CLAMP) return f_min(f_max(x, 0), 1);
-    if (wrap == RSV_WRAP_REPEAT) return x - (float)floor_of(x);
-    float turn = x - 2 * (float)floor_of(0.5f * x);
-    return turn > 1 ? 2 - turn : turn;
+    if (wrap == RSV_WRAP_REPEAT)
+        for (int k = 0; k < LANES; k++)
+            x[k] -= (float)floor_of(x[k]);
+    else if (wrap == RSV_WRAP_CLAMP)
+        for (int k = 0; k < LANES; k++)
+            x[k] = f_min(f_max(x[k], 0), 1);
+    else
+        for (int k = 0; k < LANES; k++) {
+            float turn = x[k] - 2 * (float)floor_of(0.5f * x[k]), back = 2 - turn;
+            x[k] = turn > 1 ? back : turn;
+        }
 }
 
 /// Columns, or rows, of texels to both sides of places. @param place in 0..1 @param share of the second, out
@@ -119,29 +161,58 @@ static inline void add_texels(
     }
 }
 
+/// Sizes of levels of the pyramid.
+typedef struct level_lanes {
+    int width[LANES], height[LANES], first[LANES];
+} __attribute__((aligned(64))) level_lanes;
+
+static inline void set_levels(
+    const rsv_texture_level *level, int first, int end, level_lanes *restrict to)
+{
+    int width = (int)level->width, height = (int)level->height, texel = (int)level->first;
+    for (int k = first; k < end; k++)
+        to->width[k] = width, to->height[k] = height, to->first[k] = texel;
+}
+
+static inline void find_levels(
+    const rsv_texture *texture, const int *restrict level, level_lanes *restrict to)
+{
+    if (all_equal(level)) {
+        set_levels(&texture->level[level[0]], 0, LANES, to);
+        return;
+    }
+    for (int k = 0; k < LANES; k++)
+        set_levels(&texture->level[level[k]], k, k + 1, to);
+}
+
 /// Finds the texels of a level of the pyramid, and asks the memory for them. @param share of the level in the colour
 static inline void find_level(const rsv_texture *texture, const texture_lanes *restrict at,
     const int *restrict level, const float *restrict share, texel_lanes *restrict to)
 {
-    _Alignas(64) int width[LANES], height[LANES], first[LANES], column[2][LANES], row[2][LANES];
+    level_lanes size;
+    _Alignas(64) int column[2][LANES], row[2][LANES];
     _Alignas(64) float across[LANES], down[LANES];
+    int channels = (int)texture->channel_count;
+    find_levels(texture, level, &size);
+    find_texels(at->u, size.width, texture->wrap_u, column, across);
+    find_texels(at->v, size.height, texture->wrap_v, row, down);
     for (int k = 0; k < LANES; k++) {
-        const rsv_texture_level *l = &texture->level[level[k]];
-        width[k] = (int)l->width, height[k] = (int)l->height, first[k] = (int)l->first;
+        int above = size.first[k] + row[0][k] * size.width[k];
+        int below = size.first[k] + row[1][k] * size.width[k];
+        float upper = share[k] * (1.0f / 65535) * (1 - down[k]);
+        float lower = share[k] * (1.0f / 65535) * down[k];
+        to->index[0][k] = (above + column[0][k]) * channels;
+        to->index[1][k] = (above + column[1][k]) * channels;
+        to->index[2][k] = (below + column[0][k]) * channels;
+        to->index[3][k] = (below + column[1][k]) * channels;
+        to->weight[0][k] = upper * (1 - across[k]);
+        to->weight[1][k] = upper * across[k];
+        to->weight[2][k] = lower * (1 - across[k]);
+        to->weight[3][k] = lower * across[k];
     }
-    find_texels(at->u, width, texture->wrap_u, column, across);
-    find_texels(at->v, height, texture->wrap_v, row, down);
-    for (int corner = 0; corner < 4; corner++) {
-        int right = corner & 1, below = corner >> 1, channels = (int)texture->channel_count;
-        for (int k = 0; k < LANES; k++) {
-            int texel = first[k] + row[below][k] * width[k] + column[right][k];
-            float weight =
-                share[k] * (right ? across[k] : 1 - across[k]) * (below ? down[k] : 1 - down[k]);
-            to->index[corner][k] = texel * channels;
-            to->weight[corner][k] = weight * (1.0f / 65535);
-        }
-        for (int k = 0; k < LANES && !right; k++)
-            __builtin_prefetch(texture->unorm + to->index[corner][k]);
+    for (int k = 0; k < LANES; k++) {
+        __builtin_prefetch(texture->unorm + to->index[0][k]);
+        __builtin_prefetch(texture->unorm + to->index[2][k]);
     }
 }
 
@@ -164,11 +235,10 @@ static inline void look_texture_up(const rsv_scene_view *scene, const rsv_textur
     texture_lanes at;
     find_texture_lanes(scene, ref, triangle, p, width, &at);
     memset(sum, 0, sizeof sum);
-    for (int k = 0; k < LANES; k++) {
-        at.u[k] = wrapped_coordinate(at.u[k], texture->wrap_u);
-        at.v[k] = wrapped_coordinate(at.v[k], texture->wrap_v);
+    wrap_coordinates(texture->wrap_u, at.u);
+    wrap_coordinates(texture->wrap_v, at.v);
+    for (int k = 0; k < LANES; k++)
         finer[k] = 1 - at.coarser[k];
-    }
     bool both = any_positive(at.coarser);
     find_level(texture, &at, at.level[0], finer, &texels[0]);
     if (both) find_level(texture, &at, at.level[1], at.coarser, &texels[1]);

@@ -94,14 +94,13 @@ static double error_at(const four_pictures *p, int x, int y)
 /// correlate by the square of what their squares share.
 static double overlap(double edge) { return (2 * edge * edge + 1) / (3 * edge); }
 
-double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
-    rsv_pixel_error_desc desc, double *uncertainty)
+static four_pictures begin(
+    const rsv_image *const a[2], const rsv_image *const b[2], rsv_pixel_error_desc desc)
 {
     four_pictures p = {
         .desc = desc, .width = (int)rsv_image_width(a[0]), .height = (int)rsv_image_height(a[0])
     };
     sum3 light = { .count = 0 };
-    double count = (double)p.width * p.height, sum = 0, squares = 0;
     for (int k = 0; k < 2; k++) {
         p.a[k] = rsv_image_const_pixels(a[k], 0);
         p.b[k] = rsv_image_const_pixels(b[k], 0);
@@ -110,6 +109,23 @@ double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
         add_light(&p, k, &light);
     double mean = (light.of[0] + light.of[1] + light.of[2]) / (3 * light.count);
     p.floor = FLOOR * mean * mean;
+    return p;
+}
+
+void rsv_pixel_error_map(
+    const rsv_image *const a[2], const rsv_image *const b[2], rsv_pixel_error_desc desc, float *map)
+{
+    four_pictures p = begin(a, b, desc);
+    for (int y = 0; y < p.height; y++)
+        for (int x = 0; x < p.width; x++)
+            map[(size_t)y * p.width + x] = (float)error_at(&p, x, y);
+}
+
+double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
+    rsv_pixel_error_desc desc, double *uncertainty)
+{
+    four_pictures p = begin(a, b, desc);
+    double count = (double)p.width * p.height, sum = 0, squares = 0;
     for (int y = 0; y < p.height; y++)
         for (int x = 0; x < p.width; x++) {
             double error = error_at(&p, x, y);

@@ -19,6 +19,10 @@ typedef struct rsv_pixel_error_desc {
 double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
     rsv_pixel_error_desc desc, double *uncertainty);
 
+/// The products themselves, pixel by pixel. @param map [height * width] out
+void rsv_pixel_error_map(const rsv_image *const a[2], const rsv_image *const b[2],
+    rsv_pixel_error_desc desc, float *map);
+
 /// By how much more pictures differ than averages over some pixels show, from averages over fewer: a factor, 1 or more.
 /// @param a, b, desc as for rsv_pixel_error @param error, uncertainty of that
 double rsv_pixel_error_averaged_away(const rsv_image *const a[2], const rsv_image *const b[2],

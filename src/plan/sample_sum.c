@@ -1,11 +1,10 @@
 #include "sample_sum.h"
 
+#include "../core/core.h"
+#include "../core/vec.h"
 #include "pixel_error.h"
 
 #include <math.h>
-
-/// Sparks count as much as edges of a bright window do.
-#define MOST_OF_A_PIXEL 4
 
 /// mean = (1 - share) mean + share pass, in all layers.
 static void mix(rsv_image *mean, const rsv_image *pass, float share)
@@ -48,11 +47,46 @@ rsv_status rsv_sample_sum_add(
     return status;
 }
 
+/// Each pixel by the samples that it has.
+static void mix_uneven(const rsv_sample_sum *sum, const uint32_t *count, const rsv_image *pass)
+{
+    size_t pixels = (size_t)rsv_image_width(pass) * rsv_image_height(pass);
+    for (uint32_t layer = 0; layer < rsv_image_layer_count(pass); layer++) {
+        rsv_rgb *to = rsv_image_pixels(sum->mean, layer);
+        const rsv_rgb *from = rsv_image_const_pixels(pass, layer);
+        for (size_t k = 0; k < pixels; k++) {
+            if (count[k] == 0) continue;
+            float share = (float)count[k] / (float)(sum->taken[k] + count[k]);
+            to[k] = rgb_mad(to[k], share, rgb_sub(from[k], to[k]));
+        }
+    }
+}
+
+rsv_status rsv_sample_sum_add_uneven(
+    rsv_context *context, rsv_sample_sum *sum, const uint32_t *count, rsv_image *pass)
+{
+    size_t pixels = (size_t)rsv_image_width(pass) * rsv_image_height(pass);
+    uint64_t all = 0;
+    if (!sum->taken) {
+        sum->taken = rsv_alloc(context, pixels, sizeof *sum->taken);
+        for (size_t k = 0; sum->taken && k < pixels; k++)
+            sum->taken[k] = sum->samples;
+    }
+    if (sum->taken) {
+        mix_uneven(sum, count, pass);
+        for (size_t k = 0; k < pixels; k++)
+            all += sum->taken[k] += count[k];
+        sum->samples = (uint32_t)((all + pixels / 2) / pixels);
+    }
+    rsv_image_destroy(pass);
+    return sum->taken ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
-    const rsv_pixel_error_desc each = { MOST_OF_A_PIXEL, 0, false };
+    const rsv_pixel_error_desc each = { RSV_MOST_OF_A_PIXEL, 0, false };
     double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
     return 0.25 * square * pow(more, -fall);
@@ -64,8 +98,9 @@ uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t 
     return needed <= 1 ? 1 : needed < (double)most ? (uint32_t)needed : most;
 }
 
-void rsv_sample_sum_clear(rsv_sample_sum *sum)
+void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
 {
+    rsv_free(context, sum->taken);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);
     rsv_image_destroy(sum->half[1]);

@@ -16,9 +16,14 @@
 /// A finer solution is worth it from so many times the elements on. What solutions take besides rows does not grow with them.
 #define WORTH_IT 4.0
 #define MOST_FINER 60.0
-#define MOST_PASS 64u
+#define MOST_PASS 64.0
 /// Passes may take this many times what the one before makes expect.
 #define DOUBT 1.1
+/// Part of the time left that a pass may take, and camera rays per pixel of the shortest.
+#define PASS_SHARE 0.5
+#define LAST_PASS 0.1
+/// What a camera ray costs where pictures are noisy, over the mean: before it is known.
+#define UNEVEN_COST 1.3
 
 static double now_of(const rsv_planner *p)
 {
@@ -61,24 +66,51 @@ static rsv_status find_solution(rsv_planner *p, double seconds)
     return solve_until(p, now + SOLUTION_SHARE * (seconds - now));
 }
 
-/// Passes as long as there is time for them, of more and more samples; two of one sample each tell the noise.
+/// Two passes of one sample each, which tell the noise, as far as there is time. @param of_one out: seconds that one takes
+static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
+{
+    rsv_status status = RSV_OK;
+    double before = now_of(p);
+    *of_one = 0;
+    for (uint32_t pass = 0; pass < 2 && status == RSV_OK; pass++) {
+        if (pass > 0 && DOUBT * *of_one > seconds - before) break;
+        status = rsv_planner_take(p, 1);
+        *of_one = now_of(p) - before;
+        before += *of_one;
+    }
+    if (status == RSV_OK && p->sum.samples > 1)
+        p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
+    return status;
+}
+
+/// Camera rays per pixel of the next pass. Each takes a part of the time left, so that what it takes longer than expected
+/// is made up for by the next; one as short as the last could be is not taken.
+static double next_pass(const rsv_planner *p, double left, double of_one)
+{
+    double fits = left / fmax(of_one, 1e-6), part = PASS_SHARE * fits;
+    double most = fmin(p->sum.samples, MOST_PASS);
+    return fits < LAST_PASS ? 0 : fmin(fmax(part, LAST_PASS / DOUBT), most);
+}
+
+/// Passes as long as there is time for them, of more and more samples, where the picture is noisy.
 static rsv_status take_passes(rsv_planner *p, double seconds)
 {
-    double before = now_of(p), of_one = 0;
-    for (uint32_t pass = 0;; pass++) {
-        double left = (seconds - before) / DOUBT;
-        double fits = pass == 0 ? 1 : floor(left / fmax(of_one, 1e-6));
-        uint32_t most = pass < 2 ? 1 : p->sum.samples < MOST_PASS ? p->sum.samples : MOST_PASS;
-        if (fits < 1) return RSV_OK;
-        uint32_t samples = fits < (double)most ? (uint32_t)fits : most;
-        rsv_status status = rsv_planner_take(p, samples);
-        if (status != RSV_OK) return status;
-        double now = now_of(p);
-        of_one = (now - before) / samples;
-        before = now;
-        if (pass >= 1) p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
-        if (p->plan.noise <= p->wanted) return RSV_OK;
+    double of_one;
+    rsv_status status = take_first(p, seconds, &of_one);
+    of_one *= UNEVEN_COST;
+    while (status == RSV_OK && p->sum.samples > 1 && !(p->plan.noise <= p->wanted)) {
+        rsv_allocation allocation = { 0 };
+        double before = now_of(p), samples = next_pass(p, seconds - before, of_one);
+        if (samples <= 0) break;
+        status = rsv_allocate_samples(
+            p->context, &p->sum, RSV_STRATIFIED_FALL, p->wanted, samples, &allocation);
+        bool any = status == RSV_OK && allocation.mean > 0;
+        if (any) status = rsv_planner_take_allocated(p, &allocation);
+        if (any) of_one = (now_of(p) - before) / allocation.mean;
+        rsv_allocation_clear(p->context, &allocation);
+        if (!any) break;
     }
+    return status;
 }
 
 static void say_plan(const rsv_planner *p, double seconds)

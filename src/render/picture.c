@@ -67,14 +67,15 @@ static rsv_status render_passes(rsv_picture_job *job)
     rsv_status status = RSV_OK;
     uint32_t *extra = NULL;
     job->seed = desc->seed;
-    if (desc->noise <= 0 || desc->shared_pattern) return render_rows(job);
+    if (desc->noise <= 0 || desc->shared_pattern || job->count) return render_rows(job);
     job->noise = rsv_alloc(context, pixels, sizeof *job->noise);
     extra = rsv_alloc(context, pixels, sizeof *extra);
     if (!job->noise || !extra) status = RSV_ERROR_MEMORY;
     if (status == RSV_OK) status = render_rows(job);
     if (status == RSV_OK) {
         rsv_plan_samples(job->image, job->noise, desc->samples, desc->noise, extra);
-        job->extra = extra;
+        job->count = extra;
+        job->before = desc->samples;
         job->seed = rsv_hash2(desc->seed, 0x2be7u);
         status = render_rows(job);
     }
@@ -170,7 +171,14 @@ void rsv_picture_series_destroy(rsv_picture_series *s)
 rsv_status rsv_picture_series_take(
     const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
 {
+    return rsv_picture_series_take_uneven(series, desc, NULL, image);
+}
+
+rsv_status rsv_picture_series_take_uneven(const rsv_picture_series *series,
+    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image)
+{
     rsv_picture_job job = series->job;
+    job.count = count;
     rsv_status status = check_desc(job.solution, desc);
     if (status != RSV_OK) return status;
     job.desc = desc;

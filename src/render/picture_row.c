@@ -14,7 +14,7 @@
 static uint32_t samples_of(const rsv_picture_row *r, uint32_t column)
 {
     const rsv_picture_job *job = r->job;
-    return job->extra ? job->extra[(size_t)r->row * job->desc->width + column] : job->desc->samples;
+    return job->count ? job->count[(size_t)r->row * job->desc->width + column] : job->desc->samples;
 }
 
 static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance, float squares)
@@ -153,7 +153,7 @@ static void average(const rsv_picture_row *r, uint32_t layer, uint32_t column)
 {
     const rsv_picture_job *job = r->job;
     rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width + column;
-    uint32_t samples = samples_of(r, column), before = job->extra ? job->desc->samples : 0;
+    uint32_t samples = samples_of(r, column), before = job->before;
     if (samples == 0) return;
     rsv_rgb sum = rgb_mad(r->layer[layer][column], (float)before, *out);
     rsv_rgb mean = rgb_scale(sum, 1 / (float)(before + samples));
@@ -181,7 +181,7 @@ rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t index)
     for (uint32_t layer = 0; layer < job->layer_count; layer++)
         for (uint32_t column = 0; column < width; column++)
             average(r, layer, column);
-    if (job->noise && !job->extra)
+    if (job->noise && !job->count)
         memcpy(job->noise + (size_t)index * width, r->noise, width * sizeof *r->noise);
     return status;
 }

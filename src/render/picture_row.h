@@ -26,7 +26,8 @@ typedef struct rsv_picture_job {
     rsv_camera_setting setting;
     uint32_t seed;          ///< of the pass
     rsv_pixel_noise *noise; ///< [height * width] found by the first pass; NULL = nobody asks
-    const uint32_t *extra;  ///< [height * width] camera rays of a second pass; NULL in the first
+    const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
+    uint32_t before;        ///< camera rays per pixel that are in the image already
 } rsv_picture_job;
 
 /// Camera rays of one row, traced together.

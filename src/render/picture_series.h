@@ -17,4 +17,9 @@ void rsv_picture_series_destroy(rsv_picture_series *series);
 rsv_status rsv_picture_series_take(
     const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image);
 
+/// The same with a number of camera rays for each pixel; one with none is not to be used.
+/// @param desc with their mean as samples, without noise and shared pattern @param count [height * width] borrowed
+rsv_status rsv_picture_series_take_uneven(const rsv_picture_series *series,
+    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
+
 #endif

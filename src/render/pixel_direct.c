@@ -10,6 +10,8 @@
 #define FAINT_SHARE 0.2f
 /// Pixels to either side that a pixel asks how noisy it is.
 #define NEIGHBOURS 2
+/// What a shadow ray of the pixel itself tells of what it sees, in shadow rays of its neighbours.
+#define OWN_WORTH 4.0f
 
 rsv_status rsv_pixel_direct_begin(
     rsv_pixel_direct *d, const rsv_light_view *solution, uint32_t width)
@@ -72,6 +74,12 @@ static void push_event(rsv_pixel_direct *d, size_t term, const rsv_next_event *e
     d->owner[d->pending++] = term;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
+
+/// Shadow rays of half of a pixel's samples.
+typedef struct direct_half {
+    uint32_t asked;
+    float seen;
+} direct_half;
 
 /// The half of a pixel's samples that one belongs to.
 static uint32_t half_of(uint32_t sample) { return sample & 1; }
@@ -195,13 +203,12 @@ static float light_spread(const rsv_shadow_tally *t)
     return t->squares * f_max(share * (1 - share) - veiled, 0) + f_max(by_choice, 0);
 }
 
-/// Further shadow rays of each sample of a pixel, by its neighbours.
-static uint32_t further_rays(
-    const rsv_pixel_direct *d, const rsv_pixel_noise *noise, uint32_t column)
+/// What the neighbours of a pixel in its row found. @param spread out: what else is uncertain there; may be NULL
+static rsv_shadow_tally look_around(
+    const rsv_pixel_direct *d, const rsv_pixel_noise *noise, uint32_t column, float *spread)
 {
     rsv_shadow_tally around = { 0 };
     uint32_t first = column > NEIGHBOURS ? column - NEIGHBOURS : 0;
-    float spread = 0;
     for (uint32_t k = first; k <= column + NEIGHBOURS && k < d->width; k++) {
         if (k == column) continue;
         around.asked += d->tally[k].asked;
@@ -211,8 +218,17 @@ static uint32_t further_rays(
         around.terms += d->tally[k].terms;
         around.further += d->tally[k].further;
         around.further_squares += d->tally[k].further_squares;
-        spread += rsv_pixel_noise_spread(&noise[k]);
+        if (spread) *spread += rsv_pixel_noise_spread(&noise[k]);
     }
+    return around;
+}
+
+/// Further shadow rays of each sample of a pixel, by its neighbours.
+static uint32_t further_rays(
+    const rsv_pixel_direct *d, const rsv_pixel_noise *noise, uint32_t column)
+{
+    float spread = 0;
+    rsv_shadow_tally around = look_around(d, noise, column, &spread);
     float light = light_spread(&around);
     if (!(light > 0)) return 0;
     // nothing else is uncertain
@@ -246,25 +262,32 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
     trace_pending(d);
 }
 
-static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
+/// Visible share of the emitters for samples of one half, of which it knows nothing: by the other half, and by the pixel's
+/// neighbours, which count less. @return below 0 = unknown
+static float share_seen(const direct_half *other, const rsv_shadow_tally *around)
+{
+    float asked = OWN_WORTH * (float)other->asked + (float)around->asked;
+    return asked > 0 ? (OWN_WORTH * other->seen + around->seen) / asked : -1;
+}
+
+static rsv_rgb resolve_pixel(
+    const rsv_direct_term *term, size_t count, const rsv_shadow_tally *around, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    uint32_t asked[2] = { 0, 0 };
-    float of_sample = 0, seen[2] = { 0, 0 };
+    direct_half half[2] = { { 0 }, { 0 } };
+    float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
-        seen[half_of(term[i].sample)] += term[i].seen;
-        asked[half_of(term[i].sample)] += term[i].asked;
+        half[half_of(term[i].sample)].seen += term[i].seen;
+        half[half_of(term[i].sample)].asked += term[i].asked;
     }
+    const float seen[2] = { share_seen(&half[1], around), share_seen(&half[0], around) };
     *squares = 0;
     for (size_t i = 0; i < count; i++) {
-        float share = 1 / (float)term[i].rays;
+        float share = 1 / (float)term[i].rays, visible = seen[half_of(term[i].sample)];
         rsv_rgb light = rgb_scale(term[i].arrived, share);
-        uint32_t other = 1 - half_of(term[i].sample);
-        if (asked[other] > 0) {
-            float others = seen[other] / (float)asked[other];
+        if (visible >= 0)
             light =
-                rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
-        }
+                rgb_mad(light, visible, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
         sum = rgb_add(sum, light);
         of_sample += rgb_luminance(light);
         if (i + 1 < count && term[i + 1].sample == term[i].sample) continue;
@@ -284,7 +307,8 @@ rsv_status rsv_pixel_direct_resolve(
         for (end = begin; end < d->term_count && d->term[end].column == column; end++)
             ;
         float squares;
-        rsv_rgb light = resolve_pixel(d->term + begin, end - begin, &squares);
+        rsv_shadow_tally around = look_around(d, noise, column, NULL);
+        rsv_rgb light = resolve_pixel(d->term + begin, end - begin, &around, &squares);
         add(user, column, light, squares);
     }
     d->term_count = d->spot_count = 0;

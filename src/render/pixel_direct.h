@@ -2,12 +2,13 @@
 ///
 /// Sample i of a pixel finds the unshadowed contribution S_i, visible or not (V_i), and knows its exact
 /// mean A_i (Lambert's formula). The samples are dealt out to two halves, whose shadow rays are stratified within each half
-/// and independent between them. With a_i the mean visibility of the *other* half,
+/// and independent between them. With a_i the mean visibility of the *other* half and of
+/// the neighbouring pixels in the row, which count less,
 ///
 ///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
 /// (C_i = S_i with the mean radiance of a textured emitter, whatever the coat lets through) is free of noise where
-/// all samples see the light, and unbiased: A_i - C_i is 0 on average, whatever the other half has seen. (Samples that
+/// all samples see the light, and unbiased: A_i - C_i is 0 on average, whatever the others have seen. (Samples that
 /// are stratified against sample i know where it is not, which is a bias of order 1 / samples.)
 ///
 /// Where sources are seen in part, samples send further shadow rays: as many as balance what such a ray costs against
