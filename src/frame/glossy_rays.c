@@ -260,14 +260,44 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 
+/// Variance of the normals across a cell, by those of the triangle's corners: sum over both directions, radian^2.
+static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface *s)
+{
+    const uint32_t *corner = view->triangle[s->path->triangle];
+    rsv_vec3 edge[2], turn[2];
+    for (int k = 0; k < 2; k++) {
+        edge[k] = v3_sub(view->position[corner[k + 1]], view->position[corner[0]]);
+        turn[k] = v3_sub(view->normal[corner[k + 1]], view->normal[corner[0]]);
+    }
+    float a = v3_dot(edge[0], edge[0]), b = v3_dot(edge[0], edge[1]), c = v3_dot(edge[1], edge[1]);
+    float squares = c * v3_dot(turn[0], turn[0]) - 2 * b * v3_dot(turn[0], turn[1]) +
+                    a * v3_dot(turn[1], turn[1]);
+    float per_metre = squares / f_max(a * c - b * b, 1e-30f);
+    float cos = f_max(fabsf(v3_dot(s->point.geometric, s->wo)), 0.25f), pixel = s->path->width;
+    return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
+}
+
+/// What sources aimed at send by a lobe. Highlights of punctual lights that are smaller than a cell are spread over it.
+static rsv_rgb aimed_light(
+    const rsv_glossy_rays *r, const rsv_rough_surface *surface, const float u[3])
+{
+    const rsv_lights *lights = r->table->solution->lights;
+    float variance = 0;
+    if (!shows_sources(r)) return rgb_gray(0);
+    if (rsv_punctual_count(lights) > 0) variance = normal_variance(scene_of(r)->view, surface);
+    if (!(variance > 0)) return rsv_rough_light(surface, lights, false, u);
+    rsv_rough_surface wide;
+    rsv_rough_meet(scene_of(r), surface->path, &wide);
+    rsv_rough_widen(&wide, variance);
+    return rsv_rough_light_by(surface, &wide, lights, false, u);
+}
+
 /// Sends the ray of a cell, together with others. @param path borrowed
 static void sample_lobe(rsv_glossy_rays *r, const rsv_glossy_task *task,
     const rsv_rough_surface *surface, uint32_t trail, size_t cell, rsv_rgb albedo)
 {
     const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, surface->path->triangle);
-    rsv_rgb known = rgb_gray(0);
-    if (shows_sources(r))
-        known = rsv_rough_light(surface, r->table->solution->lights, false, numbers.light);
+    rsv_rgb known = aimed_light(r, surface, numbers.light);
     rsv_bsdf_event event = rsv_rough_draw(surface, numbers.direction);
     rsv_ray ray;
     if (!rsv_rough_goes_on(&event) || event.lobe != RSV_LOBE_REFLECT ||
