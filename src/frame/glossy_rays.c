@@ -17,6 +17,9 @@
 #define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
+/// Lobes that reflections show are wider by so much, radian^2: one ray stands for several cells, and would otherwise spread
+/// the image of a highlight, which is small and hundreds of times as bright, over all of them.
+#define REFLECTED_VARIANCE 0.1f
 /// Light counts as seen at least so much, however dark the lobe.
 #define LEAST_SHARE 0.01f
 
@@ -127,7 +130,7 @@ static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, u
     rsv_rgb own, float share)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events + MOST_EVENTS, false, NULL };
+        path->events + MOST_EVENTS, false, NULL, REFLECTED_VARIANCE };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);

@@ -100,7 +100,8 @@ RSV_SHARED bool rsv_rough_widen(rsv_rough_surface *s, float variance)
 {
     float alpha = rsv_widened(s->bsdf->alpha, variance);
     float clearcoat = rsv_widened(s->bsdf->clearcoat_alpha, variance);
-    if (s->bsdf->brushed || !(alpha + clearcoat > 1.1f * (s->bsdf->alpha + s->bsdf->clearcoat_alpha)))
+    if (s->bsdf->brushed ||
+        !(alpha + clearcoat > 1.1f * (s->bsdf->alpha + s->bsdf->clearcoat_alpha)))
         return false;
     if (s->bsdf != &s->storage) s->storage = *s->bsdf;
     s->bsdf = &s->storage;
@@ -116,8 +117,8 @@ RSV_SHARED rsv_rgb rsv_rough_light(
     return rsv_rough_light_by(s, s, lights, shot, u);
 }
 
-RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *s,
-    const rsv_rough_surface *punctual, const rsv_lights *lights, bool shot, const float u[3])
+RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *s, const rsv_rough_surface *punctual,
+    const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_rough_side side[2];
     int sides = s->bsdf->transmission > 0 || s->bsdf->passed > 0 ? 2 : 1;
