@@ -124,10 +124,14 @@
 
 // ---- The error of a bake (bake_judge.c) --------------------------------------------------------------
 
-/// Shadow rays and gather rays of each half of a value that is judged. Measured: studio: what these find is off by a fifth of
-/// what the bake is, or less.
+/// Shadow rays of each half of a value that is judged, and gather rays of a batch. More of both where these are off by more than
+/// JUDGED_NOISE: sun in polished metal is found by few gather rays.
 #define JUDGED_SHADOW_RAYS 1024
-#define JUDGED_GATHER_RAYS 1024
+#define MOST_JUDGED_SHADOW_RAYS 32768
+#define JUDGED_GATHER_RAYS 512
+#define LEAST_JUDGED_BATCHES 4
+#define MOST_JUDGED_BATCHES 32
+#define JUDGED_NOISE 0.004f
 
 // ---- Noise of stored light (bake_smooth.c) ------------------------------------------------------------
 
@@ -145,6 +149,8 @@
 /// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
 /// chart overlaps itself; borders may touch, and rounding moves them by far less.
 #define OVERLAP_DEPTH 0.05f
+/// A texel whose middle is this near to a border, in texels, is on it.
+#define ON_BORDER 1e-2f
 /// How much brighter or darker a texel beyond a border may be than the border.
 #define MOST_BEYOND 0.5f
 /// Samples along a border edge: so many to a texel, at most so many in all.

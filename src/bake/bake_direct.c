@@ -175,8 +175,7 @@ rsv_bake_estimate rsv_bake_estimate_patch(
     return e;
 }
 
-/// Standard error of the mean of the halves; luminance.
-static float error_of(const rsv_bake_estimate *e, uint32_t samples)
+float rsv_bake_estimate_error(const rsv_bake_estimate *e, uint32_t samples)
 {
     float by_shadow = e->open * e->open * f_max(e->seen * (1 - e->seen), 0);
     return sqrtf(STRATIFIED * (by_shadow + e->choice) / (2 * (float)samples));
@@ -188,7 +187,7 @@ rsv_rgb rsv_bake_light_patch(
     uint32_t samples = LEAST_SAMPLES;
     rsv_bake_estimate e = rsv_bake_estimate_patch(lamps, patch, samples, rsv_hash2(seed, 0));
     for (uint32_t round = 1; samples < MOST_LIGHT_SAMPLES; round++) {
-        float off = error_of(&e, samples) / error;
+        float off = rsv_bake_estimate_error(&e, samples) / error;
         if (off <= 1) break;
         float wanted = f_min((float)samples * off * off, MOST_LIGHT_SAMPLES);
         samples = (uint32_t)f_max(wanted, 2 * (float)samples);

@@ -31,7 +31,10 @@ typedef struct rsv_bake_lamps {
 rsv_bake_estimate rsv_bake_estimate_patch(
     const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed);
 
-/// The same with as many shadow rays as the wanted error takes, up to a limit.
+/// Standard error of the mean of the halves, by what share of sources is seen; W/m2, luminance.
+float rsv_bake_estimate_error(const rsv_bake_estimate *estimate, uint32_t samples);
+
+/// The light of a patch, with as many shadow rays as the wanted error takes, up to a limit.
 /// @param error wanted, W/m2
 rsv_rgb rsv_bake_light_patch(
     const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, float error, uint32_t seed);

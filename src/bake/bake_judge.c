@@ -1,6 +1,7 @@
 #include "bake_judge.h"
 
 #include "../core/sampling.h"
+#include "../core/vec.h"
 #include "bake_constants.h"
 #include "bake_gather.h"
 
@@ -47,20 +48,64 @@ void rsv_bake_judge_destroy(rsv_bake_judge *judge)
 
 // ---- the same light anew --------------------------------------------------------------------------
 
-/// Both halves of the light of a patch, luminance.
-static void estimate(
-    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t seed, double half[2])
+/// With as many shadow rays as it takes: few find the last of a penumbra.
+static rsv_bake_estimate estimate_direct(
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t seed, float dark)
 {
-    rsv_bake_estimate e = rsv_bake_estimate_patch(lamps, patch, JUDGED_SHADOW_RAYS, seed);
+    uint32_t samples = JUDGED_SHADOW_RAYS;
+    rsv_bake_estimate e = rsv_bake_estimate_patch(lamps, patch, samples, seed);
+    float least = f_max(rgb_luminance(rsv_bake_estimate_total(&e)), dark);
+    float off = rsv_bake_estimate_error(&e, samples) / (JUDGED_NOISE * least);
+    if (!(off > 1)) return e;
+    samples = (uint32_t)f_min((float)samples * off * off, MOST_JUDGED_SHADOW_RAYS);
+    return rsv_bake_estimate_patch(lamps, patch, samples, rsv_hash2(seed, 1));
+}
+
+/// A value anew, luminance, and its standard error.
+typedef struct judgement {
+    double light, noise;
+} judgement;
+
+/// One batch of gather rays over a patch.
+static double gather_batch(const rsv_light_view *s, const rsv_bake_patch *patch, uint32_t seed)
+{
+    rsv_rgb sum = rgb_gray(0);
     uint32_t rays = JUDGED_GATHER_RAYS / patch->count;
-    for (uint32_t h = 0; h < 2; h++) {
-        rsv_rgb gathered = rgb_gray(0);
-        for (uint32_t k = 0; k < patch->count; k++)
-            gathered = rgb_mad(gathered, 1 / (float)patch->count,
-                rsv_bake_gather(
-                    lamps->light, &patch->place[k], rays, rsv_hash3(seed, 2 * k + h, 0x67u)));
-        half[h] = (double)rgb_luminance(rgb_add(gathered, rgb_add(e.half[h], e.punctual)));
+    for (uint32_t k = 0; k < patch->count; k++)
+        sum = rgb_add(sum, rsv_bake_gather(s, &patch->place[k], rays, rsv_hash3(seed, k, 0x67u)));
+    return (double)rgb_luminance(sum) / patch->count;
+}
+
+/// @param direct light that is known already, beside which noise is measured
+static judgement gather(
+    const rsv_light_view *s, const rsv_bake_patch *patch, uint32_t seed, double direct, float dark)
+{
+    double sum = 0, squares = 0;
+    judgement j = { 0, 0 };
+    for (uint32_t n = 1; n <= MOST_JUDGED_BATCHES && !rsv_cancelled(s->context); n++) {
+        double batch = gather_batch(s, patch, rsv_hash2(seed, n));
+        sum += batch;
+        squares += batch * batch;
+        j.light = sum / n;
+        if (n < LEAST_JUDGED_BATCHES) continue;
+        j.noise = sqrt(fmax(squares / n - j.light * j.light, 0) / (n - 1));
+        if (j.noise <= (double)JUDGED_NOISE * fmax(direct + j.light, (double)dark)) break;
     }
+    return j;
+}
+
+static judgement estimate(
+    const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t seed, float dark)
+{
+    rsv_bake_estimate e = estimate_direct(lamps, patch, seed, dark);
+    double half[2];
+    for (int h = 0; h < 2; h++)
+        half[h] = (double)rgb_luminance(rgb_add(e.half[h], e.punctual));
+    double direct = 0.5 * (half[0] + half[1]);
+    judgement j = gather(lamps->light, patch, seed, direct, dark);
+    j.noise = hypot(j.noise, 0.5 * (half[0] - half[1]));
+    j.light += direct;
+    return j;
 }
 
 static int compare(const void *a, const void *b)
@@ -86,13 +131,14 @@ static rsv_status compare_values(
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < judge->count; n++) {
         const rsv_bake_judged *judged = &judge->value[n];
-        double half[2];
         error[n] = noise[n] = 0;
         if (rsv_cancelled(s->context)) continue;
-        estimate(&lamps, &judged->patch, rsv_hash3(s->desc.seed, (uint32_t)n, 0x6a75u), half);
-        double mean = 0.5 * (half[0] + half[1]), least = fmax(mean, (double)dark);
-        error[n] = least > 0 ? fabs((double)rgb_luminance(judged->light) - mean) / least : 0;
-        noise[n] = least > 0 ? 0.5 * fabs(half[0] - half[1]) / least : 0;
+        judgement j =
+            estimate(&lamps, &judged->patch, rsv_hash3(s->desc.seed, (uint32_t)n, 0x6a75u), dark);
+        double least = fmax(j.light, (double)dark);
+        if (!(least > 0)) continue;
+        error[n] = fabs((double)rgb_luminance(judged->light) - j.light) / least;
+        noise[n] = j.noise / least;
     }
     rsv_bake_sources_destroy(&lamps.sources);
     return rsv_cancelled(s->context) ? RSV_ERROR_CANCELLED : RSV_OK;

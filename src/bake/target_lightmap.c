@@ -94,7 +94,7 @@ static bool is_translucent(const rsv_light_view *s, const rsv_surface_place *pla
     return face != RSV_NONE && rsv_is_translucent(s, face);
 }
 
-/// Shows the visitor the texels that surfaces have.
+/// Shows the visitor the texels whose middles are on surfaces: those beyond borders continue the light, for filtering.
 static void show_texels(const rsv_lightmap_bake *b, const rsv_bake_visitor *visitor)
 {
     const rsv_bake_map *map = &b->layout.map;
@@ -104,7 +104,7 @@ static void show_texels(const rsv_lightmap_bake *b, const rsv_bake_visitor *visi
     for (uint32_t k = 0; k < map->width * map->height; k++) {
         const uint32_t at[2] = { k % map->width, k / map->width };
         rsv_bake_patch patch;
-        if (!(map->distance[k] < 0.5f) || !visitor->wants(visitor->user, at, size)) continue;
+        if (!(map->distance[k] < ON_BORDER) || !visitor->wants(visitor->user, at, size)) continue;
         rsv_bake_texel_patch(&sheet, k, &patch);
         if (!rsv_bake_keep_open(&cover, &patch)) continue;
         const rsv_bake_value value = { .at = { at[0], at[1] },

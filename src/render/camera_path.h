@@ -8,7 +8,8 @@
 #include "pixel_sample.h"
 #include "sky_visibility.h"
 
-/// Specular events along a branch that are enough for any picture.
+/// Specular events along a branch that are enough for any picture but of closed rooms of mirrors: branches of pictures that
+/// go on after these play roulette.
 #define RSV_CAMERA_PATH_DEPTH 64
 
 /// What the specular paths of one picture have in common.
