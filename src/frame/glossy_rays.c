@@ -9,8 +9,8 @@
 /// Lobes narrower than this send more rays: they cannot share them.
 #define NARROW_ALPHA 0.06f
 /// Samples from which on a cell sends fewer rays, where its lobe shows much; fewer do where it shows less.
-#define ENOUGH_SAMPLES 48.0f
-#define LEAST_SAMPLES 6.0f
+#define ENOUGH_SAMPLES 24.0f
+#define LEAST_SAMPLES 4.0f
 /// Narrow lobes and cells of few samples take every turn if they show more than the first share of their pixel, and every
 /// fourth one below the second.
 #define MUCH_SHOWN 0.25f
@@ -371,8 +371,10 @@ static bool has_turn(
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
     uint32_t turns = turns_per_ray(shown);
-    if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & (2 * turns - 1)) == 0;
-    if (is_poor(c, cell)) return (wait & (c->poor_turn * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
+    bool poor = is_poor(c, cell);
+    if (c->now.alpha[cell] < NARROW_ALPHA)
+        return (wait & ((poor ? 2 : 4) * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
+    if (poor) return (wait & (c->poor_turn * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
     float count = c->kept_before.count[cell];
     float enough = f_max(ENOUGH_SAMPLES * f_min(4 * shown, 1), LEAST_SAMPLES);
