@@ -456,8 +456,6 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
-        cmocka_unit_test(layers_sum_to_the_picture),
-        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
         cmocka_unit_test(probes_see_lights_by_way_of_rough_metal),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
@@ -470,6 +468,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(layers_sum_to_the_picture),
+        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(operator_and_final_agree_in_the_mean),
         cmocka_unit_test(noisy_pixels_get_more_rays_and_no_bias),
         cmocka_unit_test(further_shadow_rays_do_not_change_the_light),
