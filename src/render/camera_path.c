@@ -121,6 +121,7 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     rsv_rough_surface surface;
     rsv_rough_numbers numbers = draw_numbers(t, &at);
     if (!rsv_rough_arrive(t->scene, &at.path, &numbers, branches, &surface)) return;
+    if (t->setting->widening > 0) rsv_rough_widen(&surface, t->setting->widening);
     t->radiance =
         rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
     rsv_sky_aim aim;

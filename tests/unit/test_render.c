@@ -327,7 +327,7 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
         rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
-        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL };
+        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL, 0 };
         rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
@@ -456,8 +456,6 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
-        cmocka_unit_test(layers_sum_to_the_picture),
-        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
         cmocka_unit_test(probes_see_lights_by_way_of_rough_metal),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
@@ -470,6 +468,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(layers_sum_to_the_picture),
+        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(operator_and_final_agree_in_the_mean),
         cmocka_unit_test(noisy_pixels_get_more_rays_and_no_bias),
         cmocka_unit_test(further_shadow_rays_do_not_change_the_light),
