@@ -38,9 +38,9 @@ typedef struct average {
     const rsv_direct_job *job;
     rsv_entrance entrance;
     uint32_t node, light;
-    rsv_vec3 place;    ///< of the light
-    double sum[3];     ///< of irradiance times hat function times area
-    double area;       ///< the same of an irradiance of 1
+    rsv_vec3 place; ///< of the light
+    double sum[3];  ///< of irradiance times hat function times area
+    double area;    ///< the same of an irradiance of 1
     uint32_t seen, hidden, rays;
     uint32_t triangle; ///< of the cell in hand
     bool back;

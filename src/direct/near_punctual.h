@@ -1,5 +1,5 @@
 /// Punctual lights close to a surface. Most of what they send there lands on less than the support of a node, between the
-/// points that a node receives from; so its mean is found by parts that are small beside their distance to the light.
+/// points that it receives from: its mean is found by parts that are small beside their distance to the light.
 #ifndef RSV_NEAR_PUNCTUAL_H
 #define RSV_NEAR_PUNCTUAL_H
 

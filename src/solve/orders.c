@@ -136,7 +136,8 @@ static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
         "solve: the scene is closed and absorbs nothing, as far as single precision can tell (spectral radius %.6f): "
-        "E = G K E has solutions of its own; the light is %s them, so that %s; lower an albedo below 1 or open the scene",
+        "E = G K E has solutions of its own; the light is %s them, so that %s; lower an albedo below 1 or "
+        "open the scene",
         a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
         compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
                              : "there are many answers");

@@ -407,8 +407,8 @@ static void wrong_caustics_of_a_point_light_are_found(void **state)
         error[k] = certify(s, 1024, 3).error_estimate_rms;
     }
     double square = (error[1] * error[1] + error[2] * error[2]) / 2 - error[0] * error[0];
-    print_message("error %.4f, doubled %.4f, none %.4f: caustics of %.4f, right are %.4f\n", error[0],
-        error[1], error[2], sqrt(square), right);
+    print_message("error %.4f, doubled %.4f, none %.4f: caustics of %.4f, right are %.4f\n",
+        error[0], error[1], error[2], sqrt(square), right);
     assert_true(error[0] < 0.5 * right);
     assert_true(fabs(sqrt(square) - right) < 0.2 * right); // over 18 readings they spread by 9 %
     rsv_light_destroy(s);
