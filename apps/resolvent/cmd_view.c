@@ -393,18 +393,23 @@ static bool record(viewer *v)
     return report(v, cli_view_save_picture(v->show.lit.frames, &v->canvas, path));
 }
 
-/// A change of the light that cannot be made is said in the window, where one can go on.
+/// A change of the light that cannot be made, such as an albedo of 1 all around.
+static bool is_refusal(rsv_status status)
+{
+    return status == RSV_ERROR_ARGUMENT || status == RSV_ERROR_UNSUPPORTED ||
+           status == RSV_ERROR_SCENE;
+}
+
+/// What is refused is said in the window, where one can go on; the frame shows the light as it was.
 static bool make_frame(viewer *v, cli_view_timing *timing)
 {
     rsv_status status = cli_show_update(&v->show, &v->state);
     if (status == RSV_OK) status = expose(v);
     if (status == RSV_OK) status = cli_show_frame(&v->show, &v->state, &v->canvas, timing);
-    bool refused = status == RSV_ERROR_ARGUMENT || status == RSV_ERROR_UNSUPPORTED;
-    if (refused && v->window) {
-        snprintf(v->hud.message, sizeof v->hud.message, "%.250s", rsv_last_error());
-        return true;
-    }
-    return report(v, status);
+    if (!v->window || !is_refusal(status)) return report(v, status);
+    snprintf(v->hud.message, sizeof v->hud.message, "%.250s", rsv_last_error());
+    status = cli_show_frame(&v->show, &v->state, &v->canvas, timing);
+    return is_refusal(status) || report(v, status);
 }
 
 static void note_time(viewer *v, const cli_view_timing *timing)

@@ -19,7 +19,7 @@ mkdocs --quiet build --config-file "$out/mkdocs.yml"
 rm -f "$out/html/sitemap.xml" "$out/html/sitemap.xml.gz" "$out/html/404.html"
 if [[ ${2:-} == pages ]]; then
     mkdir "$out/html/reference"
-    echo '<p>The C headers are left out here.</p>' >"$out/html/reference/index.html"
+    echo '<!doctype html><html lang="en"><title>Headers</title><p>The C headers are left out here.</p>' >"$out/html/reference/index.html"
 else
     { cat docs/Doxyfile && echo "OUTPUT_DIRECTORY = $out" && echo "HTML_OUTPUT = html/reference"; } | doxygen - >&2
 fi

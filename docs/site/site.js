@@ -39,6 +39,9 @@
         frame.appendChild(table);
     });
 
+    // code that is wider than the page scrolls by keyboard too
+    document.querySelectorAll(".rst-content pre code").forEach(function (code) { code.tabIndex = 0; });
+
     // on a phone, the button shows and hides the contents
     document.querySelector("button[data-toggle=wy-nav-top]").addEventListener("click", function () {
         document.querySelectorAll("[data-toggle=wy-nav-shift]").forEach(function (part) { part.classList.toggle("shift"); });

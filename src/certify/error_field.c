@@ -34,7 +34,7 @@ static void project(
         for (int corner = 0; corner < 3; corner++)
             load[node[corner]] = rgb_mad(load[node[corner]], weight[corner], residual);
     }
-    rsv_elements_constrain_transpose(e, load);
+    rsv_elements_constrain_transpose(e, 1, load);
     for (size_t n = 0; n < e->node_count; n++)
         load[n] = e->node_area[n] > 0 ? rgb_scale(load[n], 1 / e->node_area[n]) : rgb_gray(0);
 }

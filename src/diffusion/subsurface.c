@@ -252,7 +252,7 @@ void rsv_subsurface_apply_transpose(
         memcpy(irradiance, diffused, e->node_count * sizeof *irradiance);
         return;
     }
-    rsv_elements_constrain_transpose(e, diffused);
+    rsv_elements_constrain_transpose(e, 1, diffused);
     memset(p->entered, 0, (p->row_count + p->sources->cluster_count) * sizeof *p->entered);
     for (size_t row = 0; row < p->row_count; row++) {
         if (!has_row(p->sources, (uint32_t)row)) {

@@ -3,6 +3,8 @@
 
 #include "elements_constants.h"
 
+#include <string.h>
+
 /// Barycentric weight of a corner with density proportional to itself over a triangle: the inverse of the
 /// distribution function 3 b^2 - 2 b^3.
 static float sample_hat(float x) { return 0.5f - sinf(asinf(1 - 2 * x) / 3); }
@@ -122,8 +124,8 @@ uint32_t rsv_elements_find_slot(const rsv_elements *other, const rsv_cell *cell)
     if (cell->level < level) return RSV_NONE;
     for (int k = 0; k < 3; k++)
         rsv_cell_corner(cell, k, &u[k], &v[k]);
-    rsv_triangle_place place = rsv_triangle_grid_find(
-        1 << level, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3);
+    rsv_triangle_place place =
+        rsv_triangle_grid_find(1 << level, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3);
     float b[3] = { place.b0, place.b1, place.b2 };
     uint32_t slot = other->face_slot[cell->face] + place.index;
     for (; level < cell->level; level++) {
@@ -237,16 +239,17 @@ void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
         constrain_node(&e->hanging[h], value);
 }
 
-void rsv_elements_constrain_transpose(const rsv_elements *elements, rsv_rgb *weight)
+void rsv_elements_constrain_transpose(const rsv_elements *elements, size_t fields, rsv_rgb *weight)
 {
     for (size_t h = elements->hanging_count; h-- > 0;) { // children come after their parents
         const rsv_hanging *hanging = &elements->hanging[h];
-        rsv_rgb own = weight[hanging->node];
-        weight[hanging->node] = rgb_gray(0);
+        rsv_rgb *own = weight + hanging->node * fields;
         for (int p = 0; p < RSV_PARENTS; p++) {
-            rsv_rgb *parent = &weight[hanging->parent[p]];
-            *parent = rgb_mad(*parent, hanging->weight[p], own);
+            rsv_rgb *parent = weight + hanging->parent[p] * fields;
+            for (size_t f = 0; hanging->weight[p] != 0 && f < fields; f++)
+                parent[f] = rgb_mad(parent[f], hanging->weight[p], own[f]);
         }
+        memset(own, 0, fields * sizeof *own);
     }
 }
 

@@ -175,8 +175,9 @@ void rsv_elements_average(const rsv_elements *elements, const rsv_rgb *value, rs
 /// Replaces the values of hanging nodes by their interpolants.
 void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
 
-/// The transposed of that: hands weights on hanging nodes to their parents and leaves 0.
-void rsv_elements_constrain_transpose(const rsv_elements *elements, rsv_rgb *weight);
+/// The transposed of that: hands weights on hanging nodes to their parents and leaves 0. @param weight [node_count x fields]
+void rsv_elements_constrain_transpose(
+    const rsv_elements *elements, size_t fields, rsv_rgb *weight);
 
 /// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
 /// kept up to date by rsv_elements_constrain.

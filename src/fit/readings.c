@@ -1,5 +1,6 @@
 #include "readings.h"
 
+#include "../connect/connect.h"
 #include "../render/probe_gather.h"
 
 #define GROUPS 32 ///< that rsv_probe_job.gather_rays counts for
@@ -9,12 +10,20 @@ typedef struct readings {
     const rsv_light_responses *responses;
     const rsv_fit_wanted *wanted;
     const rsv_fit_desc *desc;
+    rsv_connections **connections; ///< [responses->count] of each light; NULL = nothing to connect
     rsv_rgb *reading;
 } readings;
 
 static rsv_probe_job job_of(const readings *r, const rsv_light_view *view)
 {
     return rsv_probe_job_of(view, r->desc->samples, r->desc->seed, true);
+}
+
+static rsv_probe_job job_of_light(const readings *r, size_t light)
+{
+    rsv_probe_job job = job_of(r, r->responses->view[light]);
+    job.connections = r->connections[light];
+    return job;
 }
 
 /// What all lights give one point, by rays that they share.
@@ -24,7 +33,7 @@ static void read_ends(
     const rsv_probe *probe = &r->wanted[point].probe;
     for (size_t l = 0; l < r->responses->count; l++) {
         const rsv_light_view *view = r->responses->view[l];
-        rsv_probe_job job = job_of(r, view);
+        rsv_probe_job job = job_of_light(r, l);
         rsv_rgb sum = rsv_probe_direct(&job, probe, (uint32_t)point);
         for (size_t k = 0; k < ends; k++)
             sum = rgb_add(
@@ -37,7 +46,7 @@ static void read_ends(
 static void read_lights(const readings *r, size_t point, rsv_rgb *reading)
 {
     for (size_t l = 0; l < r->responses->count; l++) {
-        rsv_probe_job job = job_of(r, r->responses->view[l]);
+        rsv_probe_job job = job_of_light(r, l);
         reading[l] = rsv_probe_read(&job, &r->wanted[point].probe, (uint32_t)point).irradiance;
     }
 }
@@ -54,12 +63,20 @@ static void read_point(const readings *r, size_t point, rsv_probe_end *end)
         read_ends(r, point, end, ends, reading);
 }
 
-rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *responses,
-    const rsv_fit_wanted *wanted, size_t count, const rsv_fit_desc *desc, rsv_rgb *reading)
+static rsv_status connect_lights(readings *r)
 {
-    const readings r = { whole, responses, wanted, desc, reading };
-    rsv_context *context = whole->context;
-    size_t ends = (size_t)GROUPS * job_of(&r, whole).gather_rays;
+    rsv_status status = RSV_OK;
+    for (size_t l = 0; l < r->responses->count && status == RSV_OK; l++) {
+        const rsv_light_view *view = r->responses->view[l];
+        status = rsv_connections_create(&view->scene, view->lights, &r->connections[l]);
+    }
+    return status;
+}
+
+static rsv_status read_points(const readings *r, size_t count)
+{
+    rsv_context *context = r->whole->context;
+    size_t ends = (size_t)GROUPS * job_of(r, r->whole).gather_rays;
     int failed = 0;
 #pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : failed)
     {
@@ -67,8 +84,25 @@ rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *
         failed += end == NULL;
 #pragma omp for schedule(dynamic, 1)
         for (size_t k = 0; k < count; k++)
-            if (end && !rsv_cancelled(context)) read_point(&r, k, end);
+            if (end && !rsv_cancelled(context)) read_point(r, k, end);
         rsv_free(context, end);
     }
     return failed ? RSV_ERROR_MEMORY : rsv_progress(context, "fit", 1);
+}
+
+rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *responses,
+    const rsv_fit_wanted *wanted, size_t count, const rsv_fit_desc *desc, rsv_rgb *reading)
+{
+    readings r = { whole, responses, wanted, desc, NULL, reading };
+    rsv_context *context = whole->context;
+    rsv_status status;
+    r.connections = rsv_alloc(context, responses->count, sizeof *r.connections);
+    RSV_TRY(r.connections ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(connect_lights(&r));
+    RSV_TRY(read_points(&r, count));
+cleanup:
+    for (size_t l = 0; r.connections && l < responses->count; l++)
+        rsv_connections_destroy(r.connections[l]);
+    rsv_free(context, r.connections);
+    return status;
 }

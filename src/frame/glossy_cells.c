@@ -5,7 +5,7 @@
 #include <string.h>
 
 /// Samples that count while the camera moves, and at rest.
-#define MOST_MOVING 64
+#define MOST_MOVING 48
 #define MOST_RESTING 4096
 /// Frames that poor cells wait for their turn at most.
 #define MOST_POOR_TURN 4

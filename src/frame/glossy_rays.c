@@ -9,14 +9,17 @@
 /// Lobes narrower than this send more rays: they cannot share them.
 #define NARROW_ALPHA 0.06f
 /// Samples from which on a cell sends fewer rays, where its lobe shows much; fewer do where it shows less.
-#define ENOUGH_SAMPLES 48.0f
-#define LEAST_SAMPLES 6.0f
+#define ENOUGH_SAMPLES 24.0f
+#define LEAST_SAMPLES 4.0f
 /// Narrow lobes and cells of few samples take every turn if they show more than the first share of their pixel, and every
 /// fourth one below the second.
 #define MUCH_SHOWN 0.25f
 #define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
+/// Lobes that reflections show are wider by so much, radian^2: one ray stands for several cells, and would otherwise spread
+/// the image of a highlight, which is small and hundreds of times as bright, over all of them.
+#define REFLECTED_VARIANCE 0.1f
 /// Light counts as seen at least so much, however dark the lobe.
 #define LEAST_SHARE 0.01f
 
@@ -127,7 +130,7 @@ static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, u
     rsv_rgb own, float share)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events + MOST_EVENTS, false, NULL };
+        path->events + MOST_EVENTS, false, NULL, REFLECTED_VARIANCE };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);
@@ -260,14 +263,44 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 
+/// Variance of the normals across a cell, by those of the triangle's corners: sum over both directions, radian^2.
+static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface *s)
+{
+    const uint32_t *corner = view->triangle[s->path->triangle];
+    rsv_vec3 edge[2], turn[2];
+    for (int k = 0; k < 2; k++) {
+        edge[k] = v3_sub(view->position[corner[k + 1]], view->position[corner[0]]);
+        turn[k] = v3_sub(view->normal[corner[k + 1]], view->normal[corner[0]]);
+    }
+    float a = v3_dot(edge[0], edge[0]), b = v3_dot(edge[0], edge[1]), c = v3_dot(edge[1], edge[1]);
+    float squares = c * v3_dot(turn[0], turn[0]) - 2 * b * v3_dot(turn[0], turn[1]) +
+                    a * v3_dot(turn[1], turn[1]);
+    float per_metre = squares / f_max(a * c - b * b, 1e-30f);
+    float cos = f_max(fabsf(v3_dot(s->point.geometric, s->wo)), 0.25f), pixel = s->path->width;
+    return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
+}
+
+/// What sources aimed at send by a lobe. Highlights of punctual lights that are smaller than a cell are spread over it.
+static rsv_rgb aimed_light(
+    const rsv_glossy_rays *r, const rsv_rough_surface *surface, const float u[3])
+{
+    const rsv_lights *lights = r->table->solution->lights;
+    float variance = 0;
+    if (!shows_sources(r)) return rgb_gray(0);
+    if (rsv_punctual_count(lights) > 0) variance = normal_variance(scene_of(r)->view, surface);
+    if (!(variance > 0)) return rsv_rough_light(surface, lights, false, u);
+    rsv_rough_surface wide;
+    rsv_rough_meet(scene_of(r), surface->path, &wide);
+    rsv_rough_widen(&wide, variance);
+    return rsv_rough_light_by(surface, &wide, lights, false, u);
+}
+
 /// Sends the ray of a cell, together with others. @param path borrowed
 static void sample_lobe(rsv_glossy_rays *r, const rsv_glossy_task *task,
     const rsv_rough_surface *surface, uint32_t trail, size_t cell, rsv_rgb albedo)
 {
     const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, surface->path->triangle);
-    rsv_rgb known = rgb_gray(0);
-    if (shows_sources(r))
-        known = rsv_rough_light(surface, r->table->solution->lights, false, numbers.light);
+    rsv_rgb known = aimed_light(r, surface, numbers.light);
     rsv_bsdf_event event = rsv_rough_draw(surface, numbers.direction);
     rsv_ray ray;
     if (!rsv_rough_goes_on(&event) || event.lobe != RSV_LOBE_REFLECT ||
@@ -338,8 +371,10 @@ static bool has_turn(
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
     uint32_t turns = turns_per_ray(shown);
-    if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & (2 * turns - 1)) == 0;
-    if (is_poor(c, cell)) return (wait & (c->poor_turn * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
+    bool poor = is_poor(c, cell);
+    if (c->now.alpha[cell] < NARROW_ALPHA)
+        return (wait & ((poor ? 2 : 4) * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
+    if (poor) return (wait & (c->poor_turn * turns - 1) & (RSV_GLOSSY_TURN - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
     float count = c->kept_before.count[cell];
     float enough = f_max(ENOUGH_SAMPLES * f_min(4 * shown, 1), LEAST_SAMPLES);

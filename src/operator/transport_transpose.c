@@ -83,22 +83,59 @@ void rsv_transport_columns_destroy(rsv_transport_columns *c)
     rsv_free(context, c);
 }
 
-void rsv_transport_apply_transpose(const rsv_transport_columns *columns, const rsv_rgb *irradiance,
-    rsv_rgb *scratch, rsv_rgb *exitance)
+/// Fields that are summed side by side: their sums fit into registers.
+#define WIDE 8
+
+static void add_wide(float sum[3 * WIDE], const rsv_rgb *from)
+{
+    for (int i = 0; i < 3 * WIDE; i++)
+        sum[i] += (&from->r)[i];
+}
+
+/// A column's sums of `WIDE` fields. @param scaled the first of these fields at row 0
+static void sum_wide(const rsv_transport_columns *c, size_t node, size_t fields,
+    const rsv_rgb *scaled, rsv_rgb *sums)
+{
+    float sum[3 * WIDE] = { 0 };
+    for (size_t k = c->column_begin[node]; k < c->column_begin[node + 1]; k++)
+        add_wide(sum, scaled + c->row[k] * fields);
+    for (size_t k = c->tinted_begin[node]; k < c->tinted_begin[node + 1]; k++) {
+        rsv_rgb tinted[WIDE];
+        for (int f = 0; f < WIDE; f++)
+            tinted[f] = rgb_mul(c->tinted_weight[k], scaled[c->tinted_row[k] * fields + (size_t)f]);
+        add_wide(sum, tinted);
+    }
+    memcpy(sums, sum, sizeof sum);
+}
+
+static rsv_rgb sum_one(
+    const rsv_transport_columns *c, size_t node, size_t fields, const rsv_rgb *scaled)
+{
+    rsv_rgb sum = rgb_gray(0);
+    for (size_t k = c->column_begin[node]; k < c->column_begin[node + 1]; k++)
+        sum = rgb_add(sum, scaled[c->row[k] * fields]);
+    for (size_t k = c->tinted_begin[node]; k < c->tinted_begin[node + 1]; k++)
+        sum = rgb_add(sum, rgb_mul(c->tinted_weight[k], scaled[c->tinted_row[k] * fields]));
+    return sum;
+}
+
+void rsv_transport_apply_transpose(const rsv_transport_columns *columns, size_t fields,
+    const rsv_rgb *irradiance, rsv_rgb *scratch, rsv_rgb *exitance)
 {
     const rsv_transport_columns *c = columns;
     const rsv_transport *t = c->transport;
+    bool parallel = rsv_transport_entries(t) * fields > 65536;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context)) if (parallel)
     for (size_t row = 0; row < t->row_count; row++)
-        scratch[row] = rgb_scale(irradiance[row], t->scale[row]);
-#pragma omp parallel for schedule(dynamic, 256)                                                    \
-    num_threads(rsv_threads(t->context)) if (rsv_transport_entries(t) > 65536)
+        for (size_t k = row * fields; k < (row + 1) * fields; k++)
+            scratch[k] = rgb_scale(irradiance[k], t->scale[row]);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context)) if (parallel)
     for (size_t node = 0; node < t->row_count; node++) {
-        rsv_rgb sum = rgb_gray(0);
-        for (size_t k = c->column_begin[node]; k < c->column_begin[node + 1]; k++)
-            sum = rgb_add(sum, scratch[c->row[k]]);
-        for (size_t k = c->tinted_begin[node]; k < c->tinted_begin[node + 1]; k++)
-            sum = rgb_add(sum, rgb_mul(c->tinted_weight[k], scratch[c->tinted_row[k]]));
-        exitance[node] = sum;
+        size_t f = 0;
+        for (; f + WIDE <= fields; f += WIDE)
+            sum_wide(c, node, fields, scratch + f, exitance + node * fields + f);
+        for (; f < fields; f++)
+            exitance[node * fields + f] = sum_one(c, node, fields, scratch + f);
     }
 }
 

@@ -20,9 +20,10 @@ typedef struct tree {
     const rsv_camera_setting *setting;
     const rsv_pixel_sample *sample;
     rsv_vec3 start; ///< direction that the camera's ray had
-    void *user; ///< of the setting's and the caller's functions
+    void *user;     ///< of the setting's and the caller's functions
     link stack[STACK];
     int depth;
+    uint32_t most; ///< events after which the link in hand goes no further
     rsv_rgb radiance;
 } tree;
 
@@ -79,8 +80,7 @@ static void leave(tree *t, link next, const rsv_camera_branch *b)
 static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
 {
     rsv_camera_branch branch;
-    uint32_t most = t->setting->max_events;
-    if (!rsv_ideal_branch(&at->path, at->trail, most, transmit, branches, &branch)) return;
+    if (!rsv_ideal_branch(&at->path, at->trail, t->most, transmit, branches, &branch)) return;
     leave(t, (link){ at->path, { .shot = at->shot }, at->trail, at->shot }, &branch);
 }
 
@@ -96,7 +96,7 @@ static void pass(tree *t, const link *at, rsv_bsdf_branches *branches)
         .transmit_direction = at->path.direction };
     branches->transmit = rgb_positive(rgb_sub(branches->transmit, past.transmit));
     rsv_camera_branch branch;
-    if (rsv_ideal_branch(&at->path, at->trail, t->setting->max_events, true, &past, &branch))
+    if (rsv_ideal_branch(&at->path, at->trail, t->most, true, &past, &branch))
         leave(t, *at, &branch);
 }
 
@@ -121,6 +121,7 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     rsv_rough_surface surface;
     rsv_rough_numbers numbers = draw_numbers(t, &at);
     if (!rsv_rough_arrive(t->scene, &at.path, &numbers, branches, &surface)) return;
+    if (t->setting->widening > 0) rsv_rough_widen(&surface, t->setting->widening);
     t->radiance =
         rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
     rsv_sky_aim aim;
@@ -128,13 +129,23 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     t->radiance =
         rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
     rsv_camera_branch branch;
-    if (!rsv_rough_branch(&surface, &numbers, at.trail, t->setting->max_events, &branch)) return;
+    if (!rsv_rough_branch(&surface, &numbers, at.trail, t->most, &branch)) return;
     float sky_pdf = rsv_sky_aim_pdf(&aim, branch.direction);
     link next = { at.path, rsv_rough_depart(&surface, branch.direction, sky_pdf), at.trail,
         at.shot };
     next.departure.shot = at.shot;
     if (t->setting->shot && at.path.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
     leave(t, next, &branch);
+}
+
+/// Pictures cut no path off: those that are long enough for any other scene play roulette.
+static void limit_events(tree *t, link *at)
+{
+    t->most = t->setting->max_events;
+    if (t->most < RSV_CAMERA_PATH_DEPTH || at->path.events < t->most) return;
+    if (rsv_unit_float(rsv_hash2(at->trail, 0x10e6u)) >= RSV_SPECULAR_LONG_SURVIVAL) return;
+    at->path.weight = rgb_scale(at->path.weight, 1 / RSV_SPECULAR_LONG_SURVIVAL);
+    t->most = UINT32_MAX;
 }
 
 rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path path, uint32_t trail,
@@ -159,6 +170,7 @@ rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path pat
             end(user, &at.path,
                 rgb_mul(
                     rsv_specular_throughput(scene, &at.path, &at.path.medium), branches.diffuse));
+        limit_events(&t, &at);
         pass(&t, &at, &branches);
         follow(&t, &at, false, &branches);
         follow(&t, &at, true, &branches);

@@ -8,7 +8,8 @@
 #include "pixel_sample.h"
 #include "sky_visibility.h"
 
-/// Specular events along a branch that are enough for any picture.
+/// Specular events along a branch that are enough for any picture but of closed rooms of mirrors: branches of pictures that
+/// go on after these play roulette.
 #define RSV_CAMERA_PATH_DEPTH 64
 
 /// What the specular paths of one picture have in common.
@@ -22,6 +23,9 @@ typedef struct rsv_camera_setting {
     /// it scatters. NULL = the air is clear. @param throughput of the path up to it @param trail names it
     /// @return what the segment lets pass
     rsv_rgb (*cross_fog)(void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail);
+    /// Widens rough lobes on the way by so much, radian^2 (rsv_rough_widen): less noise, reflections of highlights are
+    /// blurred; 0 = nothing is
+    float widening;
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

@@ -98,7 +98,7 @@ static bool cross_fog(traveller *t, bool leaves, rsv_specular_end *end)
 static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_specular_end *end)
 {
     *end = RSV_SPECULAR_ABSORBED;
-    if (event->lobe == RSV_LOBE_NONE || t->path.events >= RSV_SPECULAR_MAX_EVENTS) return false;
+    if (event->lobe == RSV_LOBE_NONE || !rsv_specular_goes_on(&t->path, t->random)) return false;
     if (event->lobe == RSV_LOBE_DIFFUSE) {
         t->path.weight = rgb_mul(t->path.weight, event->weight);
         if (rsv_specular_survives(&t->path.weight, t->random)) *end = RSV_SPECULAR_DIFFUSE;

@@ -44,6 +44,14 @@ RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3
 RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *surface, const rsv_lights *lights, bool shot, const float u[3]);
 
+/// The same, but that `punctual` responds to punctual lights: the surface again, or one with wider lobes at its place.
+RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *surface,
+    const rsv_rough_surface *punctual, const rsv_lights *lights, bool shot, const float u[3]);
+
+/// Widens the lobes of a surface by what its normals vary across a footprint (Tokuyoshi and Kaplanyan 2019).
+/// @param variance of the normals, sum over both directions, radian^2 @return whether that makes a difference
+RSV_SHARED bool rsv_rough_widen(rsv_rough_surface *surface, float variance);
+
 /// Draws a direction from all lobes but the diffuse one, with their chance in the weight.
 /// @param u for the lobe and for the direction within it, in [0, 1)
 RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *surface, const float u[3]);

@@ -87,8 +87,38 @@ RSV_INLINE rsv_rgb rsv_rough_punctual_light(const rsv_rough_surface *s, const rs
     return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
+/// Widths by normals that vary: lobes become no wider than this.
+#define WIDEST_ALPHA 0.5f
+
+RSV_INLINE float rsv_widened(float alpha, float variance)
+{
+    float wider = sqrtf(alpha * alpha + variance);
+    return alpha > 0 && alpha < WIDEST_ALPHA ? f_min(wider, WIDEST_ALPHA) : alpha;
+}
+
+RSV_SHARED bool rsv_rough_widen(rsv_rough_surface *s, float variance)
+{
+    float alpha = rsv_widened(s->bsdf->alpha, variance);
+    float clearcoat = rsv_widened(s->bsdf->clearcoat_alpha, variance);
+    if (s->bsdf->brushed ||
+        !(alpha + clearcoat > 1.1f * (s->bsdf->alpha + s->bsdf->clearcoat_alpha)))
+        return false;
+    if (s->bsdf != &s->storage) s->storage = *s->bsdf;
+    s->bsdf = &s->storage;
+    s->storage.alpha = alpha;
+    s->storage.clearcoat_alpha = clearcoat;
+    s->storage.alpha_place = rsv_table_alpha(alpha);
+    return true;
+}
+
 RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *s, const rsv_lights *lights, bool shot, const float u[3])
+{
+    return rsv_rough_light_by(s, s, lights, shot, u);
+}
+
+RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *s, const rsv_rough_surface *punctual,
+    const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_rough_side side[2];
     int sides = s->bsdf->transmission > 0 || s->bsdf->passed > 0 ? 2 : 1;
@@ -102,7 +132,7 @@ RSV_SHARED rsv_rgb rsv_rough_light(
         if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
         bool below = v3_dot(s->normal, light.direction) < 0;
         if (below < sides)
-            sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], lights, &light));
+            sum = rgb_add(sum, rsv_rough_punctual_light(punctual, &side[below], lights, &light));
     }
     return sum;
 }

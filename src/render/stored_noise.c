@@ -7,10 +7,11 @@
 /// Largest spectral radius that is believed: more would make any reading worthless.
 #define MOST_RADIUS 0.99
 
-/// Squared departures of a field, at the nodes around each edge.
+/// Squared departures of a field.
 typedef struct departures {
     const rsv_elements *elements;
-    rsv_rgb *square; ///< [node_count] r: sum, g: how many
+    rsv_rgb *square; ///< [node_count] around each node, r: sum, g: how many
+    float *largest;  ///< [cell_count] of each cell's own edges; NULL = not asked for
 } departures;
 
 static void note(void *user, uint32_t cell, uint32_t other, float bend)
@@ -24,13 +25,17 @@ static void note(void *user, uint32_t cell, uint32_t other, float bend)
             square->r += departure * departure;
             square->g += 1;
         }
+    for (int side = 0; d->largest && side < 2; side++) {
+        float *largest = &d->largest[around[side]];
+        *largest = f_max(*largest, departure * departure);
+    }
 }
 
-/// Adds the variances of a field's nodes to `variance`.
+/// Adds the variances of a field's nodes to `variance`. @param largest see departures
 static rsv_status add_variance(
-    const rsv_elements *e, const rsv_rgb *field, rsv_rgb *square, rsv_rgb *variance)
+    const rsv_elements *e, const rsv_rgb *field, rsv_rgb *square, rsv_rgb *variance, float *largest)
 {
-    departures d = { e, square };
+    departures d = { e, square, largest };
     for (size_t n = 0; n < e->node_count; n++)
         square[n] = rgb_gray(0);
     // an edge without any departure counts too: no node is then more certain than it looks
@@ -54,8 +59,8 @@ static rsv_status find_stored(const rsv_light_view *s, rsv_stored_noise *noise)
     if (!field || !square || !coarse || !noise->stored) goto cleanup;
     for (size_t n = 0; n < nodes; n++)
         field[n] = rgb_add(s->indirect[n], s->gathered[n]);
-    RSV_TRY(add_variance(e, field, square, noise->stored));
-    RSV_TRY(add_variance(e, s->irradiance, square, coarse));
+    RSV_TRY(add_variance(e, field, square, noise->stored, NULL));
+    RSV_TRY(add_variance(e, s->irradiance, square, coarse, NULL));
     for (size_t n = 0; n < rsv_elements_surface_nodes(e); n++) {
         noise->coarse += e->node_area[n] * coarse[n].r;
         area += e->node_area[n];
@@ -70,14 +75,36 @@ cleanup:
 }
 
 /// Variance of a field of its own. @param variance out
-static rsv_status find_variance(const rsv_elements *e, const rsv_rgb *field, rsv_rgb **variance)
+static rsv_status find_variance(
+    const rsv_elements *e, const rsv_rgb *field, rsv_field_noise *variance)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_rgb *square = rsv_alloc(e->context, e->node_count, sizeof *square);
-    *variance = rsv_alloc(e->context, e->node_count, sizeof **variance);
-    if (square && *variance) status = add_variance(e, field, square, *variance);
+    variance->node = rsv_alloc(e->context, e->node_count, sizeof *variance->node);
+    variance->cell = rsv_alloc(e->context, e->cell_count, sizeof *variance->cell);
+    if (square && variance->node && variance->cell)
+        status = add_variance(e, field, square, variance->node, variance->cell);
+    for (size_t c = 0; status == RSV_OK && c < e->cell_count; c++)
+        variance->cell[c] /= 8;
     rsv_free(e->context, square);
     return status;
+}
+
+static void free_variance(rsv_context *context, rsv_field_noise *variance)
+{
+    rsv_free(context, variance->node);
+    rsv_free(context, variance->cell);
+}
+
+/// At the edge of a shadow only the cells that it crosses are wrong, and nodes average over many more. Where noise is all
+/// there is, the largest of three squares is twice their mean, and the larger of the two estimates up to half too large.
+static double variance_at(
+    const rsv_elements *e, const rsv_field_noise *variance, uint32_t face, float u, float v)
+{
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
+    double around = (double)rsv_elements_interpolate(e, variance->node, face, u, v).r;
+    return fmax(around, (double)variance->cell[cell]);
 }
 
 /// The elements that hold direct light.
@@ -119,12 +146,12 @@ static void add_coarse_noise(const rsv_light_view *s, const rsv_rgb *coarse, rsv
 
 static rsv_status find_caustic(const rsv_light_view *s, rsv_stored_noise *noise)
 {
-    rsv_rgb *coarse = NULL;
+    rsv_field_noise coarse = { 0 };
     rsv_status status = find_variance(s->caustics.elements, s->caustics.caustic, &noise->caustic);
     if (status == RSV_OK && s->caustics.coarse_caustic)
         status = find_variance(s->elements, s->caustics.coarse_caustic, &coarse);
-    if (status == RSV_OK && coarse) add_coarse_noise(s, coarse, noise->caustic);
-    rsv_free(s->context, coarse);
+    if (status == RSV_OK && coarse.node) add_coarse_noise(s, coarse.node, noise->caustic.node);
+    free_variance(s->context, &coarse);
     return status;
 }
 
@@ -147,8 +174,8 @@ void rsv_stored_noise_destroy(rsv_stored_noise *noise)
 {
     if (!noise->solution) return;
     rsv_free(noise->solution->context, noise->stored);
-    rsv_free(noise->solution->context, noise->caustic);
-    rsv_free(noise->solution->context, noise->direct);
+    free_variance(noise->solution->context, &noise->caustic);
+    free_variance(noise->solution->context, &noise->direct);
     *noise = (rsv_stored_noise){ 0 };
 }
 
@@ -157,11 +184,10 @@ double rsv_stored_noise_at(
 {
     const rsv_light_view *s = noise->solution;
     double variance = 0;
-    if (noise->caustic)
-        variance += rsv_elements_interpolate(s->caustics.elements, noise->caustic, face, u, v).r;
+    if (noise->caustic.node)
+        variance += variance_at(s->caustics.elements, &noise->caustic, face, u, v);
     if (caustic) return variance;
-    if (noise->direct)
-        variance += rsv_elements_interpolate(lit_elements(s), noise->direct, face, u, v).r;
+    if (noise->direct.node) variance += variance_at(lit_elements(s), &noise->direct, face, u, v);
     return variance + rsv_elements_interpolate(s->elements, noise->stored, face, u, v).r;
 }
 
@@ -194,13 +220,13 @@ void rsv_shared_noise_add(
     const rsv_elements *level[2] = { s->elements, s->caustics.elements };
     sums->all += (double)found->share;
     sums->light += (double)(found->share * found->light);
-    for (int k = 0; k < (noise->caustic ? 2 : 1); k++) {
+    for (int k = 0; k < (noise->caustic.node ? 2 : 1); k++) {
         float weight[3];
         uint32_t cell = rsv_elements_locate(level[k], found->face, found->u, found->v, weight);
         for (int corner = 0; corner < 3; corner++)
             weight[corner] *= found->share;
-        add_nodes(k ? sums->caustic : sums->stored, level[k], k ? noise->caustic : noise->stored,
-            cell, weight);
+        add_nodes(k ? sums->caustic : sums->stored, level[k],
+            k ? noise->caustic.node : noise->stored, cell, weight);
     }
 }
 

@@ -9,14 +9,19 @@
 
 #include "../solve/light.h"
 
+/// Variance of the luminance of a field that elements hold.
+typedef struct rsv_field_noise {
+    rsv_rgb *node; ///< [node_count] r: the variance, constrained; NULL = not known
+    float *cell;   ///< [cell_count] as the cell's own edges show it
+} rsv_field_noise;
+
 typedef struct rsv_stored_noise {
     const rsv_light_view *solution;
     rsv_rgb *
         stored; ///< [node_count] r: variance of the luminance of indirect and gathered light; constrained
-    rsv_rgb *caustic; ///< [node_count of the caustic level] likewise; NULL = there is none
-    rsv_rgb
-        *direct;   ///< likewise of direct light, on the elements that hold it; NULL = not asked for
-    double coarse; ///< area-weighted mean of the variance of all that the coarse elements hold
+    rsv_field_noise caustic; ///< of the caustic level
+    rsv_field_noise direct;  ///< of direct light, on the elements that hold it
+    double coarse;    ///< area-weighted mean of the variance of all that the coarse elements hold
     double reflected; ///< light after further reflections over that of the first: rho / (1 - rho)
     double nodes;     ///< that share it
 } rsv_stored_noise;

@@ -112,7 +112,7 @@ rsv_status rsv_goal_enter(const rsv_operator_view *op, rsv_rgb *weight)
         rsv_subsurface_apply_transpose(op->subsurface, e, shown, weight);
         rsv_free(op->context, shown);
     }
-    rsv_elements_constrain_transpose(e, weight);
+    rsv_elements_constrain_transpose(e, 1, weight);
     return RSV_OK;
 }
 

@@ -48,36 +48,32 @@ static void residual(
         (rsv_rgb *)difference);
 }
 
-/// Takes one of the fields out of all, and puts it back.
-static void take_field(const rsv_transport_map *m, size_t fields, size_t f, const rsv_rgb *all)
+/// P*, the transposed of what scatters light below surfaces, on one field after the other.
+static void diffuse_transpose(rsv_transport_map *m, size_t fields, rsv_rgb *all)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
-    for (size_t n = 0; n < m->linear.count; n++)
-        m->filled[n] = all[n * fields + f];
+    for (size_t f = 0; f < fields; f++) {
+        for (size_t n = 0; n < m->linear.count; n++)
+            m->scattered[n] = all[n * fields + f];
+        rsv_subsurface_apply_transpose(m->subsurface, m->elements, m->scattered, m->filled);
+        for (size_t n = 0; n < m->linear.count; n++)
+            all[n * fields + f] = m->filled[n];
+    }
 }
 
-static void put_field(const rsv_transport_map *m, size_t fields, size_t f, rsv_rgb *all)
-{
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
-    for (size_t n = 0; n < m->linear.count; n++)
-        all[n * fields + f] = m->filled[n];
-}
-
-/// K* G* on one field after the other.
+/// K* G*.
 static void apply_transpose(void *data, size_t columns, const float *field, float *image)
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3, nodes = m->linear.count;
-    for (size_t f = 0; f < fields; f++) {
-        take_field(m, fields, f, rgb_field(field));
-        rsv_transport_apply_transpose(m->columns, m->filled, m->exitance, m->scattered);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->linear.context))
-        for (size_t n = 0; n < nodes; n++)
-            m->scattered[n] = rgb_mul(m->albedo[n], m->scattered[n]);
-        rsv_subsurface_apply_transpose(m->subsurface, m->elements, m->scattered, m->filled);
-        rsv_elements_constrain_transpose(m->elements, m->filled);
-        put_field(m, fields, f, (rsv_rgb *)image);
-    }
+    rsv_rgb *all = (rsv_rgb *)image;
+    rsv_transport_apply_transpose(m->columns, fields, rgb_field(field), m->exitance, all);
+    int threads = nodes > RSV_PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t n = 0; n < nodes; n++)
+        for (size_t f = 0; f < fields; f++)
+            all[n * fields + f] = rgb_mul(m->albedo[n], all[n * fields + f]);
+    if (m->subsurface) diffuse_transpose(m, fields, all);
+    rsv_elements_constrain_transpose(m->elements, fields, all);
 }
 
 /// A part of the rows leaves out what depends on others: hanging nodes and translucent bodies.

@@ -19,9 +19,9 @@ typedef struct small_system {
 } small_system;
 
 typedef struct krylov {
-    float *basis[RESTART + 1];
-    small_system *system;     ///< [columns]
-    double *product, *factor; ///< [columns]
+    float *basis[RESTART + 1]; ///< made as they are needed: most systems converge early
+    small_system *system;      ///< [columns]
+    double *product, *factor;  ///< [columns]
 } krylov;
 
 /// unit = field / |field|, 0 in columns without a length. Lengths are in q->product afterwards.
@@ -35,11 +35,12 @@ static void normalise(rsv_solver_run *run, krylov *q, const float *field, float 
     rsv_columns_scale(&run->shape, q->factor, field, unit);
 }
 
-/// (I - A) basis[k], orthogonal to what is there, becomes basis[k + 1].
-static void expand(rsv_solver_run *run, krylov *q, uint32_t k)
+/// (I - A) basis[k], orthogonal to what is there, becomes basis[k + 1]. @return whether there was memory
+static bool expand(rsv_solver_run *run, krylov *q, uint32_t k)
 {
     size_t columns = run->shape.columns, values = run->shape.count * columns;
-    float *field = q->basis[k + 1];
+    float *field = q->basis[k + 1] = rsv_run_field(run);
+    if (!field) return false;
     rsv_run_apply(run, q->basis[k], field);
     for (size_t i = 0; i < values; i++)
         field[i] = q->basis[k][i] - field[i];
@@ -54,6 +55,7 @@ static void expand(rsv_solver_run *run, krylov *q, uint32_t k)
     normalise(run, q, field, field);
     for (size_t c = 0; c < columns; c++)
         q->system[c].h[k + 1][k] = q->product[c];
+    return true;
 }
 
 /// Turns the new column of the Hessenberg matrix as the ones before it (Givens).
@@ -112,7 +114,7 @@ static void combine(rsv_solver_run *run, krylov *q, uint32_t steps, float *corre
     }
 }
 
-static void cycle(rsv_solver_run *run, krylov *q, const float *residual, float *correction)
+static bool cycle(rsv_solver_run *run, krylov *q, const float *residual, float *correction)
 {
     normalise(run, q, residual, q->basis[0]);
     for (size_t c = 0; c < run->shape.columns; c++) {
@@ -121,11 +123,12 @@ static void cycle(rsv_solver_run *run, krylov *q, const float *residual, float *
     }
     uint32_t k = 0;
     do {
-        expand(run, q, k);
+        if (!expand(run, q, k)) return false;
         for (size_t c = 0; c < run->shape.columns; c++)
             advance(run, &q->system[c], c, k);
     } while (rsv_run_goes_on(run) && ++k < RESTART);
     combine(run, q, k < RESTART ? k + 1 : RESTART, correction);
+    return true;
 }
 
 static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
@@ -134,14 +137,11 @@ static rsv_status improve(rsv_solver_run *run, float *residual, float *correctio
     size_t columns = run->shape.columns;
     krylov q = { .system = rsv_alloc(context, columns, sizeof *q.system),
         .product = rsv_run_numbers(run, 2) };
-    bool complete = q.system && q.product;
-    for (uint32_t k = 0; k <= RESTART; k++) {
-        q.basis[k] = rsv_run_field(run);
-        complete = complete && q.basis[k];
-    }
+    q.basis[0] = rsv_run_field(run);
+    bool complete = q.system && q.product && q.basis[0];
     if (complete) {
         q.factor = q.product + columns;
-        cycle(run, &q, residual, correction);
+        complete = cycle(run, &q, residual, correction);
     }
     for (uint32_t k = 0; k <= RESTART; k++)
         rsv_free(context, q.basis[k]);

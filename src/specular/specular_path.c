@@ -63,7 +63,7 @@ static rsv_gather follow(const rsv_transport_scene *scene, rsv_specular_path pat
                                      emission_towards(scene, &path)));
         gather.path = path;
         rsv_bsdf_event event = rsv_specular_draw_event(scene, &path, random);
-        if (event.lobe == RSV_LOBE_NONE || path.events >= RSV_SPECULAR_MAX_EVENTS) return gather;
+        if (event.lobe == RSV_LOBE_NONE || !rsv_specular_goes_on(&path, random)) return gather;
         if (event.lobe == RSV_LOBE_DIFFUSE) {
             gather.path.weight = rgb_mul(path.weight, event.weight);
             gather.end = rsv_specular_survives(&gather.path.weight, random) ? RSV_SPECULAR_DIFFUSE

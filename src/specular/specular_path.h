@@ -14,6 +14,18 @@ typedef enum rsv_specular_end {
 
 #define RSV_SPECULAR_MAX_EVENTS 256
 
+/// Of a specular path after that many events, which only closed rooms of mirrors have.
+#define RSV_SPECULAR_LONG_SURVIVAL 0.999f
+
+/// Whether the path goes on: one that is longer than that plays roulette, so that nothing is lost on average.
+RSV_INLINE bool rsv_specular_goes_on(rsv_specular_path *path, rsv_random *random)
+{
+    if (path->events < RSV_SPECULAR_MAX_EVENTS) return true;
+    if (rsv_random_float(random) >= RSV_SPECULAR_LONG_SURVIVAL) return false;
+    path->weight = rgb_scale(path->weight, 1 / RSV_SPECULAR_LONG_SURVIVAL);
+    return true;
+}
+
 /// How the specular path's surface scatters there. @param storage may be used to hold it
 RSV_SHARED const rsv_bsdf *rsv_specular_bsdf(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_bsdf *storage);

@@ -26,8 +26,7 @@ endfunction()
 rsv_add_validation(view_factors slow a.pa a.perp_rect.1 a.perp_rect.2 a.po a.disks.1_1 a.occluded_square.1_1)
 rsv_add_validation(furnaces slow b.furnace_box.1_1 b.furnace_box.3 b.furnace_o b.sphere_point.R1)
 rsv_add_validation(enclosures slow c.concentric.1_1 c.cube.rho0p5 i.)
-rsv_add_validation(direct slow d.p d.s d.di d.rect_light.c d.rect_light.n d.rect_light.blocked_m d.one_bounce.h2 f.i f.m
-    f.caustic.n1p33)
+rsv_add_validation(direct slow d.p d.s d.di d.rect_light.c d.rect_light.n d.rect_light.blocked_m d.one_bounce.h2 f.i f.m)
 rsv_add_validation(environments slow e.)
 rsv_add_validation(rooms slow j.cie5p2 j.cie5p3 j.cie5p4.ce j.cie5p6 j.cie5p7 j.cie5p8.cube_points_rho0p5 j.cie5p9.o
     j.cie5p11.o)

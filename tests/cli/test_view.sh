@@ -99,6 +99,12 @@ refuses 2 'size' "${view[@]}" --size 0x0
 printf '0 screenshot no/such/folder/a.png\n' >bad.txt
 refuses 1 'no/such/folder' "${view[@]}" --size 32x32 --script bad.txt --record "$work/frames"
 
+# walls that absorb nothing all around are refused as `relight` does
+printf '2 albedo walls 1 1 1\n' >white.txt
+closed=(view furnace --quality draft --max-elements 100 --size 32x32 --threads 2)
+refuses 1 'absorbs nothing.*lower an albedo' "${closed[@]}" --script white.txt --record "$work/frames"
+rm -rf "$work/frames"
+
 # no display
 refuses 1 '\(no window\|no display\).*--record' "${view[@]}" --frames 1
 
@@ -138,6 +144,14 @@ open_display 640x480 -fbdir screen
 printf '%s\n' '0 show hud' '0 show markers' '7 screenshot window.png' '8 quit' >window.txt
 succeeds "${view[@]}" --size 96x64 --script window.txt
 cmp -s window.png first/frame-0007.png || complain "the window shows another picture than is recorded"
+# in a window one can go on: the light is what it was, and the next change is made
+printf '%s\n' '5 screenshot gray.exr' '6 albedo walls 1 1 1' '12 screenshot refused.exr' \
+    '13 select light.walls' '13 intensity 2' '60 screenshot twice.exr' '61 quit' >white.txt
+succeeds "${closed[@]}" --script white.txt
+succeeds compare gray.exr refused.exr
+says '^mean_ratio *\(1.000\|0.999\)'
+succeeds compare gray.exr twice.exr
+says '^mean_ratio *\(2.00\|1.99\)'
 printf '%s\n' '0-100000 orbit 0.1 0' >window.txt
 "$program" "${view[@]}" --size 400x300 --script window.txt >stdout 2>stderr </dev/null &
 shown=$!

@@ -229,19 +229,29 @@ static void noise_of_photons_is_stated(void **state)
     assert_true(sum.stated < 9 * sum.spread);
 }
 
+/// Of one scene.
 static void standard_errors_cover_the_truth(void **state)
 {
-    (void)state;
-    for (int k = 0; k < trial_count; k++) {
-        tally sum = try_seeds(&trials[k], most_seeds, 65536, 1);
-        assert_true(sum.covered >= 0.9 * sum.all);
-        assert_true(sum.stated < 9 * sum.spread);
-    }
+    tally sum = try_seeds(*state, most_seeds, 65536, 1);
+    assert_true(sum.covered >= 0.9 * sum.all);
+    assert_true(sum.stated < 9 * sum.spread);
+}
+
+/// @param only the scene to look at; NULL = all of them
+static int try_all(const char *only)
+{
+    struct CMUnitTest test[trial_count] = { 0 };
+    for (int k = 0; k < trial_count; k++)
+        if (!only || strcmp(only, trials[k].name) == 0)
+            test[k] = (struct CMUnitTest){ .name = trials[k].name,
+                .test_func = standard_errors_cover_the_truth,
+                .initial_state = (void *)&trials[k] };
+    return cmocka_run_group_tests(test, NULL, NULL);
 }
 
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = { cmocka_unit_test(noise_of_photons_is_stated) };
-    const struct CMUnitTest longest[] = { cmocka_unit_test(standard_errors_cover_the_truth) };
-    return RUN_THIRD(argc, argv, quick, quick, longest);
+    if (asks_for_more(argc, argv)) return try_all(argc > 2 ? argv[2] : NULL);
+    return cmocka_run_group_tests(quick, NULL, NULL);
 }

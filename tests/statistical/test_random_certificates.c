@@ -137,6 +137,28 @@ static void certificates_of_many_rooms_are_true(void **state)
     assert_int_equal(t.falling, t.rooms);
 }
 
+/// Points in contact, under frames and behind them, are judged alike at every quality.
+static void certificates_of_a_gallery_fall_with_quality(void **state)
+{
+    fixture *f = *state;
+    tally t = { 0 };
+    for (uint32_t seed = 0; seed < 3; seed++) {
+        effort by = { 0, 400, seed, rsv_default_certify_desc() };
+        rsv_scene *scene;
+        verdict v[2];
+        assert_int_equal(rsv_scene_builtin(f->context, "gallery:1", &scene), RSV_OK);
+        for (int quality = 0; quality < 2; quality++) {
+            v[quality] = judge(scene, (rsv_quality)quality, &by);
+            say("gallery:1", quality, &v[quality]);
+            count(&t, &v[quality]);
+        }
+        assert_true(v[1].certificate.error_estimate_rms < v[0].certificate.error_estimate_rms);
+        rsv_scene_destroy(scene);
+    }
+    assert_int_equal(t.covered, t.cases);
+    assert_int_equal(t.bounded, t.cases);
+}
+
 /// `rooms FIRST COUNT QUALITIES POINTS SAMPLES` or `scene NAME SEEDS QUALITIES POINTS SAMPLES`: only these, whatever is
 /// wrong with them.
 static int look_at(char **argv)
@@ -163,7 +185,8 @@ int main(int argc, char **argv)
 {
     if (argc == 7) return look_at(argv + 1);
     const struct CMUnitTest quick[] = { ROOM_TEST(certificates_of_rooms_are_true) };
-    const struct CMUnitTest longest[] = { ROOM_TEST(certificates_of_many_rooms_are_true) };
+    const struct CMUnitTest longest[] = { ROOM_TEST(certificates_of_a_gallery_fall_with_quality),
+        ROOM_TEST(certificates_of_many_rooms_are_true) };
     return argc > 1 && strcmp(argv[1], "long") == 0 ? cmocka_run_group_tests(longest, NULL, NULL)
                                                     : cmocka_run_group_tests(quick, NULL, NULL);
 }

@@ -715,17 +715,17 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(open_ground_reads_what_the_sky_gives),
-        cmocka_unit_test(sun_passes_clear_panes),
         cmocka_unit_test(windows_give_their_form_factor),
         cmocka_unit_test(rooms_without_windows_are_dark),
         cmocka_unit_test(figures_count_hours),
-        cmocka_unit_test(shades_go_down_in_the_sun),
-        cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(grids_stand_on_floors),
         cmocka_unit_test(rooms_are_told_apart),
         cmocka_unit_test(failing_allocations_are_reported),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(sun_passes_clear_panes),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(shades_go_down_in_the_sun),
         cmocka_unit_test(hours_are_those_of_the_path_tracer),
         cmocka_unit_test(room_is_that_of_radiance),
     };

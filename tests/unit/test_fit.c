@@ -94,8 +94,8 @@ static void columns_that_change_nothing_go_where_they_cost_least(void **state)
 
 enum { POINTS = 12 };
 
-/// A floor and a wall, grey, under three point lights.
-static rsv_light *room(rsv_context *context, rsv_scene **scene)
+/// A floor and a wall, grey or a mirror, under three point lights.
+static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
 {
     static const float corner[8][3] = { { -2, 0, -2 }, { -2, 0, 2 }, { 2, 0, 2 }, { 2, 0, -2 },
         { -2, 0, -2 }, { 2, 0, -2 }, { 2, 3, -2 }, { -2, 3, -2 } };
@@ -106,6 +106,8 @@ static rsv_light *room(rsv_context *context, rsv_scene **scene)
     uint32_t material, mesh;
     grey.base_color = rgb(0.6f, 0.5f, 0.4f);
     grey.specular = 0;
+    grey.metallic = mirror ? 1 : 0;
+    grey.roughness = mirror ? 0 : 1;
     ok(rsv_scene_create(context, scene));
     ok(rsv_scene_add_material(*scene, &grey, &material));
     ok(rsv_scene_add_mesh(*scene,
@@ -127,6 +129,11 @@ static rsv_light *room(rsv_context *context, rsv_scene **scene)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     ok(rsv_light_create(*scene, &desc, &light));
     return light;
+}
+
+static rsv_light *room(rsv_context *context, rsv_scene **scene)
+{
+    return room_of(context, false, scene);
 }
 
 static void place_points(rsv_fit_wanted wanted[POINTS])
@@ -157,12 +164,11 @@ static void judge(const rsv_light *light, const rsv_rgb factor[3],
     rsv_light_destroy(lit);
 }
 
-static void factors_that_made_readings_are_found_again(void **state)
+static void find_factors_again(fixture *f, bool mirror)
 {
-    fixture *f = *state;
     const rsv_rgb truth[3] = { rgb_gray(0.3f), rgb_gray(0.9f), rgb_gray(0.05f) };
     rsv_scene *scene;
-    rsv_light *light = room(f->context, &scene);
+    rsv_light *light = room_of(f->context, mirror, &scene);
     rsv_fit_wanted wanted[POINTS];
     rsv_probe_reading reading[POINTS];
     rsv_fit *fit;
@@ -186,6 +192,14 @@ static void factors_that_made_readings_are_found_again(void **state)
     rsv_light_destroy(light);
     rsv_scene_destroy(scene);
 }
+
+static void factors_that_made_readings_are_found_again(void **state)
+{
+    find_factors_again(*state, false);
+}
+
+/// What mirrors send of lamps is in the readings, too.
+static void lamps_in_mirrors_count(void **state) { find_factors_again(*state, true); }
 
 static void colours_are_found_channel_by_channel(void **state)
 {
@@ -286,6 +300,7 @@ int main(void)
             columns_that_change_nothing_go_where_they_cost_least, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             factors_that_made_readings_are_found_again, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(lamps_in_mirrors_count, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             colours_are_found_channel_by_channel, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(

@@ -503,19 +503,21 @@ int main(int argc, char **argv)
         cmocka_unit_test(objects_are_moved_and_nothing_else),
         cmocka_unit_test(motions_that_make_no_sense_are_refused),
         cmocka_unit_test(patched_rows_are_those_traced_anew),
-        cmocka_unit_test(patched_rows_past_glass_are_those_traced_anew),
         cmocka_unit_test(what_comes_back_is_what_it_was),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
-        cmocka_unit_test(light_is_that_of_solves),
-        cmocka_unit_test(lamps_that_move_take_their_light_along),
         cmocka_unit_test(other_scenes_are_refused),
         cmocka_unit_test(meshes_that_deform_are_followed),
         cmocka_unit_test(translucent_bodies_keep_their_shape),
         cmocka_unit_test(objects_may_go_through_walls),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(patched_rows_past_glass_are_those_traced_anew),
+        cmocka_unit_test(light_is_that_of_solves),
+        cmocka_unit_test(lamps_that_move_take_their_light_along),
+    };
+    const struct CMUnitTest longest[] = {
         cmocka_unit_test(light_of_twenty_places_is_that_of_solves),
         cmocka_unit_test(doors_let_light_in),
     };
-    return RUN_HALF(argc, argv, quick, slow);
+    return RUN_THIRD(argc, argv, quick, slow, longest);
 }

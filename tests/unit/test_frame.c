@@ -681,10 +681,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(frames_add_up_to_the_picture),
-        cmocka_unit_test(chains_add_up_to_the_picture),
         cmocka_unit_test(layers_are_shown),
         cmocka_unit_test(all_instructions_give_the_same_bytes),
-        cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(each_eye_has_a_picture_of_its_own),
         cmocka_unit_test(frames_start_over_when_the_camera_moves),
         cmocka_unit_test(frames_allocate_nothing),
@@ -693,6 +691,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(unusable_wishes_are_refused),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(chains_add_up_to_the_picture),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(surfaces_of_all_kinds_add_up_to_the_picture),
         cmocka_unit_test(bodies_within_bodies_add_up_to_the_picture),
         cmocka_unit_test(frames_follow_the_light),

@@ -3,6 +3,7 @@
 #include "resolvent/render.h"
 
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 typedef struct subject {
     world *w;
@@ -251,11 +252,13 @@ static void memory_that_runs_out_is_an_error(void **state)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest slow[] = {
         cmocka_unit_test(factors_make_the_operator),
         cmocka_unit_test(factors_make_it_where_glass_is_coloured),
+    };
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(factors_make_it_where_light_diffuses),
         cmocka_unit_test(elements_around_probes_are_where_these_are),
         cmocka_unit_test(elements_around_points_of_triangles_are_where_these_are),
@@ -263,5 +266,5 @@ int main(void)
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(memory_that_runs_out_is_an_error),
     };
-    return cmocka_run_group_tests(tests, begin_all, end_all);
+    return RUN_HALF_WITH(argc, argv, quick, slow, begin_all, end_all);
 }

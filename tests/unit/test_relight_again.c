@@ -188,6 +188,68 @@ static void files_and_copies_know_how_lights_stand(void **state)
     world_end(w);
 }
 
+/// @return whether the node is one of these elements' own
+static uint8_t *own_nodes(const rsv_elements *e)
+{
+    uint8_t *own = malloc(e->node_count);
+    assert_non_null(own);
+    memset(own, 1, e->node_count);
+    for (size_t h = 0; h < e->hanging_count; h++)
+        own[e->hanging[h].node] = 0;
+    return own;
+}
+
+/// What is stored of a source is the same at all nodes that there were, though there may be more of them now.
+static void check_part_kept(const rsv_light *light, const rsv_light *before, size_t source)
+{
+    const rsv_light_view *now = inside(light), *then = inside(before);
+    const rsv_light_part *a = &now->basis->part[source], *b = &then->basis->part[source];
+    const rsv_elements *finer = now->fine.elements, *fine = then->fine.elements;
+    assert_int_equal(now->elements->node_count, then->elements->node_count);
+    assert_memory_equal(a->direct, b->direct, now->elements->node_count * sizeof *a->direct);
+    uint8_t *own = own_nodes(fine);
+    for (uint32_t n = 0; n < fine->node_count; n++) {
+        uint32_t face;
+        float u, v, weight[3];
+        if (!own[n]) continue;
+        rsv_elements_place_node(fine, n, &face, &u, &v);
+        uint32_t cell = rsv_elements_locate(finer, face, u, v, weight);
+        int k = weight[1] > weight[0] ? 1 : 0;
+        if (weight[2] > weight[k]) k = 2;
+        assert_memory_equal(&a->fine[finer->cell_node[cell][k]], &b->fine[n], sizeof *b->fine);
+    }
+    free(own);
+}
+
+static void chains_through_files_keep_what_does_not_move(void **state)
+{
+    (void)state;
+    world *w = yard();
+    rsv_light *light = solve(w);
+    rsv_scene *scene = NULL, *first_scene;
+    relight(light, on);
+    rsv_light *first = reload(w, light, &first_scene);
+    for (int k = 0; k < 4; k++) {
+        const rsv_light_move move = { "bulb", { k % 2 ? -0.5f : 0.5f, 0, 0 } };
+        const rsv_relight_desc moved = { .move = &move, .move_count = 1 };
+        rsv_scene *next;
+        if (rsv_light_relight(light, &moved) != RSV_OK) fail_msg("%s", rsv_last_error());
+        rsv_light *loaded = reload(w, light, &next);
+        rsv_light_destroy(light);
+        rsv_scene_destroy(scene);
+        light = loaded;
+        scene = next;
+        check_part_kept(light, first, 0);
+        check_part_kept(light, first, 2);
+    }
+    check_near(light, first, 1e-4f);
+    rsv_light_destroy(light);
+    rsv_scene_destroy(scene);
+    rsv_light_destroy(first);
+    rsv_scene_destroy(first_scene);
+    world_end(w);
+}
+
 static void roughly_sampled_parts_are_sampled_in_full_later(void **state)
 {
     (void)state;
@@ -278,6 +340,7 @@ int main(void)
         cmocka_unit_test(factors_do_not_compound),
         cmocka_unit_test(what_is_not_named_stays_as_it_was),
         cmocka_unit_test(files_and_copies_know_how_lights_stand),
+        cmocka_unit_test(chains_through_files_keep_what_does_not_move),
         cmocka_unit_test(roughly_sampled_parts_are_sampled_in_full_later),
         cmocka_unit_test(lights_of_one_name_are_told_apart_by_number),
     };

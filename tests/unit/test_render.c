@@ -249,6 +249,38 @@ static void a_mirror_sphere_in_a_furnace_is_invisible(void **state)
     world_end(w);
 }
 
+/// In a closed room of perfect mirrors every ray meets the lamp in the end, after a hundred reflections or more.
+static void a_room_of_mirrors_shows_its_lamp_everywhere(void **state)
+{
+    (void)state;
+    const rsv_probe probe = { { 0.1f, 0.2f, -0.3f }, { 0, 0, 1 } };
+    world *w = world_begin(2);
+    world_room(w, world_material(w, mirror_material(1)), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_material lamp = lambert_material(0, 5);
+    lamp.double_sided = true;
+    world_quad(w, world_material(w, lamp), v3(-0.3f, 0.5f, -0.3f), v3(0.3f, 0.5f, -0.3f),
+        v3(0.3f, 0.5f, 0.3f), v3(-0.3f, 0.5f, 0.3f));
+    const rsv_camera camera =
+        rsv_camera_look_at("eye", v3(0.13f, -0.2f, 0.9f), v3(0, -0.33f, -1), 1.2f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.photon_count = 0;
+    rsv_light *s;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &s), RSV_OK);
+    const rsv_render_desc picture = picture_desc(RSV_RENDER_FINAL, 16, 16);
+    rsv_image *image = render(s, &picture);
+    assert_close(mean_of(image, 0), 5, 0.15);
+    rsv_image_destroy(image);
+    rsv_probe_reading reading;
+    assert_int_equal(rsv_probe_irradiance(
+                         s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 0 }, &probe, 1, &reading),
+        RSV_OK);
+    assert_close(reading.irradiance.g, 5 * RSV_PI, 0.15 * (double)RSV_PI);
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 static void a_glass_sphere_in_a_furnace_keeps_the_energy(void **state)
 {
     (void)state;
@@ -295,7 +327,7 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
         rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
-        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL };
+        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL, 0 };
         rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
@@ -424,11 +456,10 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
-        cmocka_unit_test(layers_sum_to_the_picture),
-        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
         cmocka_unit_test(probes_see_lights_by_way_of_rough_metal),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
+        cmocka_unit_test(a_room_of_mirrors_shows_its_lamp_everywhere),
         cmocka_unit_test(a_glass_sphere_in_a_furnace_keeps_the_energy),
         cmocka_unit_test(a_thin_sheet_of_glass_in_a_furnace_is_invisible),
         cmocka_unit_test(branches_of_a_camera_ray_carry_all_its_weight),
@@ -437,6 +468,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(layers_sum_to_the_picture),
+        cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(operator_and_final_agree_in_the_mean),
         cmocka_unit_test(noisy_pixels_get_more_rays_and_no_bias),
         cmocka_unit_test(further_shadow_rays_do_not_change_the_light),

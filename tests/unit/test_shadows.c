@@ -507,8 +507,6 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(rays_pass_what_is_left_uncovered),
-        cmocka_unit_test(curtains_dim_all_that_passes),
-        cmocka_unit_test(veils_before_rough_metal_keep_its_light),
         cmocka_unit_test(elements_are_as_bright_as_what_is_left_of_them),
         cmocka_unit_test(shadows_end_where_smooth_surfaces_turn_away),
         cmocka_unit_test(elements_of_coarse_bodies_miss_no_light),
@@ -516,6 +514,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(flat_bodies_are_not_lifted),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(veils_before_rough_metal_keep_its_light),
+        cmocka_unit_test(curtains_dim_all_that_passes),
         cmocka_unit_test(blended_cards_shade_like_cut_out_ones),
         cmocka_unit_test(the_reference_sees_past_blended_cards),
         cmocka_unit_test(coarse_bodies_gather_all_light),

@@ -222,6 +222,25 @@ static void changes_reach_the_relighter(void **state)
     close_stage(s);
 }
 
+static void what_the_light_refuses_is_taken_back(void **state)
+{
+    (void)state;
+    stage *s = open_stage();
+    assert_true(say(s, "select light.bulb") && say(s, "intensity 2") && say(s, "move 0.1 0 0") &&
+                say(s, "add spark 0 0 0"));
+    cli_view_note_taken(&s->state);
+    cli_view_item taken[16];
+    assert_true(s->state.item_count <= 16);
+    memcpy(taken, s->state.item, s->state.item_count * sizeof *taken);
+    assert_true(say(s, "albedo lambert 1 1 1") && say(s, "select light.bulb") &&
+                say(s, "intensity 3") && say(s, "select object") && say(s, "move 0 0.5 0"));
+    cli_view_take_back(&s->state);
+    for (size_t k = 0; k < s->state.item_count; k++)
+        if (k != s->state.object) assert_memory_equal(&taken[k], &s->state.item[k], sizeof *taken);
+    assert_close(s->state.item[s->state.object].offset.y, 0.5, 1e-6);
+    close_stage(s);
+}
+
 /// The largest numbers that can be said, again and again: the relighter takes what comes of it, and the camera stays finite.
 static void extremes_are_survived(void **state)
 {
@@ -299,6 +318,7 @@ int main(void)
         cmocka_unit_test(nobody_looks_past_the_zenith),
         cmocka_unit_test(a_light_stays_under_the_mouse),
         cmocka_unit_test(changes_reach_the_relighter),
+        cmocka_unit_test(what_the_light_refuses_is_taken_back),
         cmocka_unit_test(extremes_are_survived),
         cmocka_unit_test(layers_and_modes_go_round),
         cmocka_unit_test(an_object_moves_without_the_light),

@@ -22,13 +22,22 @@ function serve(folder) {
     }).listen(0);
 }
 
+/// What axe-core finds serious in a page, one line each. @param load `require` of the folder that has it
+export async function findBarriers(page, load) {
+    await page.addScriptTag({ path: load.resolve("axe-core") });
+    const { violations } = await page.evaluate(() => window.axe.run({ resultTypes: ["violations"] }));
+    return violations.filter(({ impact }) => impact === "serious" || impact === "critical")
+        .map(({ id, help, nodes }) => `${id}, ${help}: ${nodes.length} times, first ${nodes[0].html.slice(0, 120)}`);
+}
+
 export class PageTest {
     failures = 0;
 
     /// @param web folder of the page's sources @param folder the built page @param side of the view, pixels
     static async create(web, folder, side) {
         const test = new PageTest();
-        const { chromium } = createRequire(resolve(web, "package.json"))("playwright-core");
+        test.load = createRequire(resolve(web, "package.json"));
+        const { chromium } = test.load("playwright-core");
         test.side = side;
         test.server = serve(folder);
         test.address = `http://localhost:${test.server.address().port}/`;
@@ -52,6 +61,10 @@ export class PageTest {
         await page.goto(this.address + query);
         await page.evaluate(() => window.page.then(() => true));
         return page;
+    }
+
+    async checkBarriers(page) {
+        for (const barrier of await findBarriers(page, this.load)) this.check(false, barrier);
     }
 
     /// Mean difference per channel from one of our own pictures.

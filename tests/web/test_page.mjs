@@ -32,6 +32,7 @@ async function photograph(page, name) {
 const page = await test.open("");
 await test.compare(page, "scene/box-operator.png");
 await photograph(page, "web.png");
+await test.checkBarriers(page);
 await slide(page, "[data-light]", 0);
 const dark = await page.evaluate(() => window.page.then((shown) => shown.basis.irradiance.every((value) => value === 0)));
 test.check(dark, "the only light is off, and it is not dark");

@@ -175,9 +175,22 @@ static rsv_status show_light(cli_view_frames *f)
     return status == RSV_OK ? fit(f, f->eyes, f->width, f->height) : status;
 }
 
+/// Has the light take what the state says; what it refuses, the state takes back.
+static rsv_status change_light(cli_view_frames *f, cli_view_state *state)
+{
+    rsv_relight_desc desc = cli_view_relighting(state, &f->changes);
+    f->light_changes = state->light_changes;
+    rsv_status status = add_lights(f, state);
+    if (status == RSV_OK) status = rsv_relighter_change(f->relighter, &desc);
+    if (status == RSV_OK)
+        cli_view_note_taken(state);
+    else
+        cli_view_take_back(state);
+    return status;
+}
+
 /// Follows the state, one step per frame, and makes all exact once nothing has changed for some frames.
-static rsv_status update_light(
-    cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
+static rsv_status update_light(cli_view_frames *f, cli_view_state *state, cli_view_timing *timing)
 {
     rsv_status status = RSV_OK;
     rsv_relight_progress progress = { .converged = true };
@@ -186,10 +199,7 @@ static rsv_status update_light(
     bool changed = state->light_changes != f->light_changes;
     f->quiet_frames = changed ? 0 : f->quiet_frames + 1;
     if (changed) {
-        rsv_relight_desc desc = cli_view_relighting(state, &f->changes);
-        f->light_changes = state->light_changes;
-        status = add_lights(f, state);
-        if (status == RSV_OK) status = rsv_relighter_change(f->relighter, &desc);
+        status = change_light(f, state);
         f->converged = false;
     }
     if (status == RSV_OK && !f->converged)

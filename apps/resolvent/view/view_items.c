@@ -295,6 +295,7 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
             (float)(c->exact[2] - from[2]) },
         .glow = { 1, 1, 1 },
         .movable = true };
+    s->taken[s->selected] = s->item[s->selected];
     s->home[s->selected].scale = 0; // `reset` switches it off
     s->light_changes++;
     return true;
@@ -335,4 +336,17 @@ rsv_relight_desc cli_view_relighting(const cli_view_state *s, const cli_view_cha
     desc.turn = s->env_rotation != s->home_rotation;
     desc.rotation = s->env_rotation;
     return desc;
+}
+
+void cli_view_note_taken(cli_view_state *s)
+{
+    memcpy(s->taken, s->item, s->item_count * sizeof *s->item);
+    s->taken_rotation = s->env_rotation;
+}
+
+void cli_view_take_back(cli_view_state *s)
+{
+    for (size_t k = 0; k < s->item_count; k++)
+        if (s->item[k].kind != CLI_VIEW_OBJECT) s->item[k] = s->taken[k];
+    s->env_rotation = s->taken_rotation;
 }

@@ -60,9 +60,11 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
         .home_rotation = view->environment ? view->environment->rotation : 0 };
     s->item = calloc(most + 1, sizeof *s->item);
     s->home = calloc(most + 1, sizeof *s->home);
-    if (!s->item || !s->home) return false;
+    s->taken = calloc(most + 1, sizeof *s->taken);
+    if (!s->item || !s->home || !s->taken) return false;
     cli_view_list_items(s, relighter, body);
     reset(s);
+    cli_view_note_taken(s);
     s->light_changes = s->object_changes = 0;
     return true;
 }
@@ -104,6 +106,7 @@ void cli_view_state_free(cli_view_state *s)
 {
     free(s->item);
     free(s->home);
+    free(s->taken);
     *s = (cli_view_state){ 0 };
 }
 

@@ -57,6 +57,8 @@ typedef struct cli_view_state {
     float pointer[2];    ///< x to the right, y down, from 0 to 1
     cli_view_item *home; ///< [item_count] as they began
     float home_rotation;
+    cli_view_item *taken; ///< [item_count] as the light last took them
+    float taken_rotation;
     size_t added_count; ///< lights that were added: the last items
     char added_name[CLI_VIEW_MOST_ADDED][CLI_VIEW_NAME_LENGTH];
 
@@ -107,6 +109,12 @@ typedef struct cli_view_changes {
 
 /// All that differs from how things began.
 rsv_relight_desc cli_view_relighting(const cli_view_state *state, const cli_view_changes *room);
+
+/// The light has taken what cli_view_relighting said.
+void cli_view_note_taken(cli_view_state *state);
+
+/// The light refused that: lights and colours are again what it took last.
+void cli_view_take_back(cli_view_state *state);
 
 /// The item called so ("light.NAME", "albedo.MATERIAL", "environment"); item_count = none.
 size_t cli_view_find_item(const cli_view_state *state, const char *name);
