@@ -17,8 +17,8 @@
 #define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
-/// Lobes that reflections show are wider by so much, radian^2: one ray stands for several cells, and would otherwise spread
-/// the image of a highlight, which is small and hundreds of times as bright, over all of them.
+/// Highlights of punctual lights that reflections show are as of lobes wider by so much, radian^2: one ray stands for several
+/// cells, and would otherwise spread the image of a highlight, small and hundreds of times as bright, over all of them.
 #define REFLECTED_VARIANCE 0.1f
 /// Light counts as seen at least so much, however dark the lobe.
 #define LEAST_SHARE 0.01f

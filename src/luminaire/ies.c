@@ -27,7 +27,9 @@ static rsv_status read_keywords(rsv_luminaire_text *t, bool *old, bool *tilted)
         return rsv_luminaire_complain(
             t, "TILT is in a file of its own, which is not read: only NONE and INCLUDE are");
     }
-    return rsv_luminaire_complain(t, "there is no line TILT=");
+    t->rest = t->start;
+    return rsv_luminaire_complain(
+        t, "there is no line TILT=; add TILT=NONE between keywords and numbers");
 }
 
 /// How lamps do at other tilts than that of the measurement does not matter as long as they are not tilted.
@@ -81,6 +83,17 @@ static void keep_facts(rsv_luminaire *l, const ies_facts *f)
     l->watts = f->watts > 0 ? f->watts : 0;
 }
 
+/// More numbers than the angles ask for: one of the counts may be wrong.
+static void warn_of_rest(rsv_luminaire_text *t)
+{
+    const char *blank = " \t\r\n,;\x1a"; // the last one ends files of old
+    t->rest += strspn(t->rest, blank);
+    if (!*t->rest) return;
+    rsv_log(t->context, RSV_LOG_WARNING,
+        "%s:%zu: what follows the last intensity is ignored; are the numbers of angles right?",
+        t->path, rsv_luminaire_line_number(t));
+}
+
 rsv_status rsv_luminaire_read_ies(rsv_luminaire_text *t)
 {
     bool old, tilted = false;
@@ -96,6 +109,7 @@ rsv_status rsv_luminaire_read_ies(rsv_luminaire_text *t)
     RSV_TRY(rsv_luminaire_angles(t, "a horizontal angle", l->horizontal_count, l->horizontal));
     // since 2002 the second factor is no factor
     RSV_TRY(rsv_luminaire_intensities(t, f.multiplier * f.ballast * (old ? f.factor : 1)));
+    warn_of_rest(t);
     rsv_luminaire_close(l);
 cleanup:
     return status;

@@ -10,12 +10,17 @@
 #define MOST_BYTES ((size_t)1 << 27)
 #define MOST_VALUES ((uint64_t)1 << 24)
 
-rsv_status rsv_luminaire_complain(const rsv_luminaire_text *t, const char *what)
+size_t rsv_luminaire_line_number(const rsv_luminaire_text *t)
 {
     size_t line = 1;
     for (const char *c = t->start; c < t->rest; c++)
         line += *c == '\n';
-    return rsv_fail(RSV_ERROR_FORMAT, "%s:%zu: %s", t->path, line, what);
+    return line;
+}
+
+rsv_status rsv_luminaire_complain(const rsv_luminaire_text *t, const char *what)
+{
+    return rsv_fail(RSV_ERROR_FORMAT, "%s:%zu: %s", t->path, rsv_luminaire_line_number(t), what);
 }
 
 rsv_status rsv_luminaire_number(rsv_luminaire_text *t, const char *name, double *value)
@@ -114,7 +119,7 @@ static rsv_status read_content(
 {
     rsv_luminaire_text t = { context, path, content, content, luminaire };
     if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
-    bool ies = strstr(content, "TILT=") != NULL;
+    bool ies = strstr(content, "TILT=") || strncmp(t.rest, "IESNA", 5) == 0;
     return ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t);
 }
 

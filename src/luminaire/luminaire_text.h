@@ -12,6 +12,9 @@ typedef struct rsv_luminaire_text {
     rsv_luminaire *to;
 } rsv_luminaire_text;
 
+/// The present line, from 1.
+size_t rsv_luminaire_line_number(const rsv_luminaire_text *text);
+
 /// RSV_ERROR_FORMAT at the present line.
 rsv_status rsv_luminaire_complain(const rsv_luminaire_text *text, const char *what);
 

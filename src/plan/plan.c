@@ -91,12 +91,13 @@ double rsv_planner_fall(const rsv_planner *p)
     return p->plan.gathers ? RSV_GATHERED_FALL : RSV_STRATIFIED_FALL;
 }
 
-/// @param count [height * width] samples of each pixel; NULL = the same in all
+/// @param count [height * width] samples of each pixel, not of path traced ones; NULL = the same in all
 static rsv_status take(rsv_planner *p, uint32_t samples, const uint32_t *count, rsv_image **image)
 {
     rsv_render_desc desc = p->picture;
     desc.samples = samples;
     desc.seed += 0x9e3779b9u * p->passes++; // the first pass has the seed itself
+    RSV_ASSERT(!count || desc.mode != RSV_RENDER_REFERENCE);
     if (desc.mode == RSV_RENDER_REFERENCE)
         return rsv_render_reference(p->scene, &desc, image, NULL);
     rsv_status status = RSV_OK;

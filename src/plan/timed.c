@@ -83,13 +83,40 @@ static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
     return status;
 }
 
+static bool is_path_traced(const rsv_planner *p)
+{
+    return p->picture.mode == RSV_RENDER_REFERENCE;
+}
+
 /// Camera rays per pixel of the next pass. Each takes a part of the time left, so that what it takes longer than expected
-/// is made up for by the next; one as short as the last could be is not taken.
+/// is made up for by the next; one as short as the last could be is not taken. Path traced ones have whole numbers.
 static double next_pass(const rsv_planner *p, double left, double of_one)
 {
     double fits = left / fmax(of_one, 1e-6), part = PASS_SHARE * fits;
     double most = fmin(p->sum.samples, MOST_PASS);
+    if (is_path_traced(p)) return fmin(floor(fits / DOUBT), most);
     return fits < LAST_PASS ? 0 : fmin(fmax(part, LAST_PASS / DOUBT), most);
+}
+
+static rsv_status take_evenly(rsv_planner *p, double samples, double *taken)
+{
+    *taken = samples;
+    rsv_status status = rsv_planner_take(p, (uint32_t)samples);
+    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
+    return status;
+}
+
+/// @param taken out: camera rays per pixel; 0 = none is of use
+static rsv_status take_where_noisy(rsv_planner *p, double samples, double *taken)
+{
+    rsv_allocation allocation = { 0 };
+    rsv_status status = rsv_allocate_samples(
+        p->context, &p->sum, RSV_STRATIFIED_FALL, p->wanted, samples, &allocation);
+    *taken = allocation.mean;
+    if (status == RSV_OK && allocation.mean > 0)
+        status = rsv_planner_take_allocated(p, &allocation);
+    rsv_allocation_clear(p->context, &allocation);
+    return status;
 }
 
 /// Passes as long as there is time for them, of more and more samples, where the picture is noisy.
@@ -97,18 +124,14 @@ static rsv_status take_passes(rsv_planner *p, double seconds)
 {
     double of_one;
     rsv_status status = take_first(p, seconds, &of_one);
-    of_one *= UNEVEN_COST;
+    if (!is_path_traced(p)) of_one *= UNEVEN_COST;
     while (status == RSV_OK && p->sum.samples > 1 && !(p->plan.noise <= p->wanted)) {
-        rsv_allocation allocation = { 0 };
-        double before = now_of(p), samples = next_pass(p, seconds - before, of_one);
+        double before = now_of(p), samples = next_pass(p, seconds - before, of_one), taken;
         if (samples <= 0) break;
-        status = rsv_allocate_samples(
-            p->context, &p->sum, RSV_STRATIFIED_FALL, p->wanted, samples, &allocation);
-        bool any = status == RSV_OK && allocation.mean > 0;
-        if (any) status = rsv_planner_take_allocated(p, &allocation);
-        if (any) of_one = (now_of(p) - before) / allocation.mean;
-        rsv_allocation_clear(p->context, &allocation);
-        if (!any) break;
+        status = is_path_traced(p) ? take_evenly(p, samples, &taken)
+                                   : take_where_noisy(p, samples, &taken);
+        if (status != RSV_OK || taken <= 0) break;
+        of_one = (now_of(p) - before) / taken;
     }
     return status;
 }

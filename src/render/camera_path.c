@@ -115,15 +115,25 @@ static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
     return n;
 }
 
+/// What sources aimed at send by a rough surface.
+static rsv_rgb light_aimed(const tree *t, const link *at, const rsv_rough_surface *surface,
+    const rsv_rough_numbers *numbers)
+{
+    rsv_rough_surface wide;
+    if (!(t->setting->widening > 0) || rsv_punctual_count(t->lights) == 0)
+        return rsv_rough_light(surface, t->lights, at->shot, numbers->light);
+    rsv_rough_meet(t->scene, surface->path, &wide);
+    rsv_rough_widen(&wide, t->setting->widening);
+    return rsv_rough_light_by(surface, &wide, t->lights, at->shot, numbers->light);
+}
+
 /// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
 static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
 {
     rsv_rough_surface surface;
     rsv_rough_numbers numbers = draw_numbers(t, &at);
     if (!rsv_rough_arrive(t->scene, &at.path, &numbers, branches, &surface)) return;
-    if (t->setting->widening > 0) rsv_rough_widen(&surface, t->setting->widening);
-    t->radiance =
-        rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
+    t->radiance = rgb_add(t->radiance, light_aimed(t, &at, &surface, &numbers));
     rsv_sky_aim aim;
     rsv_rough_aim(&surface, t->setting->visibility, &aim);
     t->radiance =

@@ -23,8 +23,8 @@ typedef struct rsv_camera_setting {
     /// it scatters. NULL = the air is clear. @param throughput of the path up to it @param trail names it
     /// @return what the segment lets pass
     rsv_rgb (*cross_fog)(void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail);
-    /// Widens rough lobes on the way by so much, radian^2 (rsv_rough_widen): less noise, reflections of highlights are
-    /// blurred; 0 = nothing is
+    /// Widens rough lobes by so much, radian^2, as they reflect punctual lights (rsv_rough_widen): fewer sparks, blurred
+    /// highlights; 0 = they stay as they are
     float widening;
 } rsv_camera_setting;
 

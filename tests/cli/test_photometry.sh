@@ -92,4 +92,9 @@ grep -q 'flux *628.319 lm' log || complain "2 pi times 100 cd: $(cat log)"
     complain "a luminaire in JSON"
 printf 'TILT=NONE\n1 1000 1 2 1 1 2 0 0 0 1 1 10\n0 90\n0\n100\n' >bad.ies
 refuses 1 'bad.ies:6: an intensity is missing' info bad.ies
+{ echo IESNA:LM-63-2002; grep -v TILT= lamp.ies; } >bad.ies
+refuses 1 'bad.ies:1: there is no line TILT=; add TILT=NONE' info bad.ies
+{ cat lamp.ies; echo 5 6; } >bad.ies
+"$program" info bad.ies >/dev/null 2>log || complain "numbers too many are no error"
+grep -q 'follows the last intensity is ignored' log || complain "numbers too many are told of"
 finish

@@ -301,6 +301,46 @@ static void metals_show_each_other(void **state)
     world_end(w);
 }
 
+/// Small balls of metal in the sun: their highlights are smaller than a pixel.
+static world *balls_in_the_sun(void)
+{
+    world *w = world_begin(2);
+    rsv_material metal = rsv_default_material();
+    metal.base_color = rgb(0.9f, 0.9f, 0.9f);
+    metal.metallic = 1;
+    metal.roughness = 0.3f;
+    uint32_t balls = world_material(w, metal);
+    world_quad(
+        w, world_lambert(w, 0.3f, 0), v3(-3, -1, 3), v3(3, -1, 3), v3(3, -1, -3), v3(-3, -1, -3));
+    for (int k = 0; k < 80; k++)
+        world_sphere(w, balls,
+            v3(-0.9f + 0.2f * (float)(k % 10), -0.8f + 0.2f * (float)(k / 10), 0), 0.06f, 3);
+    rsv_punctual_light sun = { .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = v3(-0.6f, -0.64f, -0.48f),
+        .intensity = rgb(5, 5, 5) };
+    assert_int_equal(rsv_scene_add_light(w->scene, &sun), RSV_OK);
+    rsv_camera camera =
+        rsv_camera_look_at("eye", v3(0, 0, 3), v3(0, 0, 0), 0.7f, (float)width / height);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+/// Highlights that are smaller than a cell are spread over it: they come and go else, and what is rarely shown is lost. Of
+/// balls three pixels wide, 17 % of the light is lost nevertheless, instead of 29 %.
+static void small_highlights_are_spread_over_cells(void **state)
+{
+    (void)state;
+    world *w = balls_in_the_sun();
+    rsv_light *solution = solve(w);
+    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 48);
+    double reused = mean_of_flight(solution, w, RSV_GLOSS_REUSED, 48);
+    print_message("    reused %.4f, paths %.4f\n", reused, paths);
+    assert_true(reused > 0.8 * paths && reused < 1.05 * paths);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 /// Box means of 4x4 pixels: mean square of their difference over the square of their mean. @param ratio of the means, out
 static double block_error(const rsv_rgb *a, const rsv_rgb *b, double *ratio)
 {
@@ -698,6 +738,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(frames_follow_the_light),
         cmocka_unit_test(reused_light_has_the_same_mean),
         cmocka_unit_test(metals_show_each_other),
+        cmocka_unit_test(small_highlights_are_spread_over_cells),
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(reused_light_goes_with_its_source),
