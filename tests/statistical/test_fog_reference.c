@@ -512,11 +512,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(slabs_reflect_and_transmit_as_chandrasekhar_says),
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
         cmocka_unit_test(lossless_fog_is_invisible_under_an_even_sky),
-        cmocka_unit_test(fog_loses_no_light),
         cmocka_unit_test(bodies_and_holes_in_fog_lose_no_light),
         cmocka_unit_test(fog_does_not_depend_on_threads),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(fog_loses_no_light),
         cmocka_unit_test(half_spaces_shine_by_chandrasekhars_h),
         cmocka_unit_test(thick_slabs_darken_by_milnes_law),
         cmocka_unit_test(endless_fog_has_the_exact_fluence),

@@ -471,13 +471,13 @@ int main(int argc, char **argv)
         cmocka_unit_test(lamps_beside_a_line_light_it_once),
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
         cmocka_unit_test(lossless_fog_is_invisible_under_an_even_sky),
-        cmocka_unit_test(fog_loses_no_light_of_mirrors),
         cmocka_unit_test(mirrors_send_the_sun_into_fog),
         cmocka_unit_test(no_light_leaks_through_walls),
         cmocka_unit_test(the_certificate_knows_fog),
         cmocka_unit_test(fog_does_not_depend_on_threads),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(fog_loses_no_light_of_mirrors),
         cmocka_unit_test(fog_loses_no_light),
         cmocka_unit_test(slabs_reflect_and_transmit_as_chandrasekhar_says),
         cmocka_unit_test(half_spaces_shine_by_chandrasekhars_h),

@@ -10,7 +10,7 @@
 #include "file_fixture.h"
 
 /// One run in so many allocations; RSV_FAULTS=1 in the environment tries every one.
-#define STRIDE 61
+#define STRIDE 97
 
 /// What a run makes; all of it may be missing after a failure.
 typedef struct products {
