@@ -1,4 +1,5 @@
 /// Targets by name.
+#include "bake_basis.h"
 #include "bake_desc.h"
 #include "bake_sky.h"
 #include "bake_target.h"
@@ -67,6 +68,7 @@ rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *out
     const rsv_light_view *light = rsv_light_get_view(solution);
     RSV_TRY(rsv_bake_check_desc(desc));
     if (desc->sky) RSV_TRY(rsv_bake_check_sky(light));
+    RSV_TRY(rsv_bake_check_lights(light, desc));
     RSV_TRY(target->write(light, desc, output, report));
     if (desc->sky && !desc->dry_run) RSV_TRY(rsv_bake_write_sky(light, output));
 cleanup:

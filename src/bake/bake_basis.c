@@ -5,6 +5,7 @@
 #include "../relight/light_response.h"
 #include "../relight/turned_surroundings.h"
 #include "bake_basis_pack.h"
+#include "bake_constants.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +15,20 @@ void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PA
     const char *slash = strrchr(output, '/'), *dot = strrchr(output, '.');
     size_t length = dot && (!slash || dot > slash) ? (size_t)(dot - output) : strlen(output);
     snprintf(path, RSV_PATH_BYTES, "%.*s.%s.safetensors", (int)length, output, kind);
+}
+
+// ---- before the work ------------------------------------------------------------------------------
+
+rsv_status rsv_bake_check_lights(const rsv_light_view *s, const rsv_bake_desc *desc)
+{
+    size_t count = 0;
+    if (!desc->basis || desc->dry_run) return RSV_OK;
+    rsv_status status = rsv_light_responses_count(s->light, &count);
+    if (status == RSV_OK && count > MANY_LIGHTS)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "bake: the basis of %zu lights is computed light by light; join lights that need not be told apart",
+            count);
+    return status;
 }
 
 // ---- reading --------------------------------------------------------------------------------------
@@ -94,17 +109,23 @@ static rsv_status read_turned(basis *b)
     return status;
 }
 
-/// More than this is said before it is made.
-#define LARGE_BASIS (256 * 1e6)
-
-static void say_bytes(const basis *b)
+static rsv_status check_bytes(const basis *b)
 {
+    const size_t given = b->s->desc.max_bytes;
+    const double most = given ? (double)given : LARGEST_BASIS;
     double bytes = (double)b->count * (double)values_of_one(b) * sizeof *b->value;
-    if (bytes > LARGE_BASIS && !b->is_packed)
+    if (b->is_packed) return RSV_OK;
+    if (bytes > most)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "bake: the basis of %zu lights at %zu receivers takes %.3g GB of memory, more than the %.3g GB that "
+            "there are; pack it (--packed), bake fewer receivers, or join lights",
+            b->count, b->reader->count, 1e-9 * bytes, 1e-9 * most);
+    if (bytes > LARGE_BASIS)
         rsv_log(b->s->context, RSV_LOG_WARNING,
             "bake: the basis of %zu lights at %zu receivers takes %.3g MB, in memory and in its file; packed "
             "(--packed) it is about a tenth of that",
             b->count, b->reader->count, 1e-6 * bytes);
+    return RSV_OK;
 }
 
 static rsv_status allocate(basis *b)
@@ -125,7 +146,6 @@ static rsv_status read_lights(basis *b)
     rsv_status status = RSV_OK;
     const rsv_light_responses *responses = b->responses;
     b->count = responses->count + b->turned;
-    say_bytes(b);
     RSV_TRY(allocate(b));
     for (size_t k = 0; k < b->count; k++) {
         b->name[k] = k < responses->count ? responses->name[k] : "environment";
@@ -219,6 +239,9 @@ rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_r
     rsv_tensor_file file;
     status = rsv_tensor_file_begin(solution->context, path, &file);
     if (status != RSV_OK) return status;
+    RSV_TRY(rsv_light_responses_count(solution->light, &b.count));
+    b.count += b.turned;
+    RSV_TRY(check_bytes(&b));
     RSV_TRY(rsv_light_responses_create(solution->light, &b.responses));
     if (b.turned) RSV_TRY(check_turns(&b));
     RSV_TRY(read_lights(&b));

@@ -29,8 +29,13 @@ void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PA
 rsv_bake_reader rsv_bake_surface_reader(const char *kind, const void *receiver, size_t count,
     rsv_status (*read)(const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value));
 
+/// To be called before anything is baked: RSV_ERROR_UNSUPPORTED if the lights are too many to be kept apart, and a warning if they
+/// take long. OK where no basis is asked for.
+rsv_status rsv_bake_check_lights(const rsv_light_view *solution, const rsv_bake_desc *desc);
+
 /// Writes what receivers read, light by light, beside the baked file: OUT.light.safetensors. Surroundings are there at
 /// each of desc->turns angles, last of all.
+/// RSV_ERROR_UNSUPPORTED if memory cannot hold it.
 /// @param lights out: how many there are, every angle of the surroundings counted
 rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_reader *reader,
     const rsv_bake_desc *desc, const char *output, size_t *lights);

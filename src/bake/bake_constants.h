@@ -199,6 +199,14 @@
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 
+// ---- Bases (bake_basis.c) -----------------------------------------------------------------------------
+
+/// Bytes of a basis that is announced before it is made, and that is refused where no limit of memory was given.
+#define LARGE_BASIS (256 * 1e6)
+#define LARGEST_BASIS (16 * 1e9)
+/// More lights take minutes: that is said too. Measured: a room of 100 lamps, draft, 128 x 112 texels: 48 s of CPU time.
+#define MANY_LIGHTS 32
+
 // ---- Light by direction and relit light (bake_directions.c, bake_relit.c) ----------------------------
 
 /// Of the normals that are read, radians: bumps are seldom steeper.

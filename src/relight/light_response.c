@@ -221,6 +221,25 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_light_responses_count(const rsv_light *whole, size_t *count)
+{
+    rsv_status status;
+    const rsv_light_view *s = rsv_light_get_view(whole);
+    rsv_light_basis *sources = NULL;
+    builder b = { .whole = whole, .s = s, .r = rsv_alloc(s->context, 1, sizeof *b.r) };
+    RSV_TRY(b.r ? RSV_OK : RSV_ERROR_MEMORY);
+    b.r->context = s->context;
+    RSV_TRY(rsv_light_basis_create_empty(whole, &sources));
+    b.basis = sources;
+    RSV_TRY(create_groups(&b));
+    *count = b.r->count;
+cleanup:
+    rsv_free(s->context, b.group);
+    rsv_light_responses_destroy(b.r);
+    rsv_light_basis_destroy(sources);
+    return status;
+}
+
 rsv_status rsv_light_responses_create(const rsv_light *whole, rsv_light_responses **responses)
 {
     rsv_status status;

@@ -23,6 +23,8 @@ typedef struct rsv_light_responses {
 
 /// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_PART_BYTES. The solution must outlive the responses.
 rsv_status rsv_light_responses_create(const rsv_light *solution, rsv_light_responses **responses);
+/// How many there would be: takes no time. Errors as above.
+rsv_status rsv_light_responses_count(const rsv_light *solution, size_t *count);
 void rsv_light_responses_destroy(rsv_light_responses *responses);
 
 #endif

@@ -4,6 +4,7 @@
 #include "../direct/voxel_direct.h"
 #include "../elements/burial.h"
 #include "light_internal.h"
+#include "solve_constants.h"
 
 #include <string.h>
 
@@ -391,6 +392,10 @@ rsv_status rsv_light_basis_create(const rsv_light *s, rsv_light_basis **basis)
     bool many = rsv_light_keeps_parts(s, b);
     if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
     rsv_light_effort effort = rsv_full_light_effort(s, valid);
+    // parts only say how the light of the whole is divided
+    if (b->source_count > RSV_FULL_PHOTON_SOURCES)
+        effort.photons =
+            (uint32_t)((uint64_t)effort.photons * RSV_FULL_PHOTON_SOURCES / b->source_count) + 1;
     for (size_t k = 0; many && k < b->source_count; k++)
         RSV_TRY(rsv_light_part_estimate(
             s, s->sources->lights, &b->source[k], &effort, &b->part[k], &rays));

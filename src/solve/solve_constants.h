@@ -125,6 +125,12 @@
 /// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
 #define WORRYING_RADIUS 0.98
 
+// ---- What each source does (light_basis.c) ----------------------------------------------------------
+
+/// Sources that are each divided by as many photons as the whole; where there are more, they share as many as these. Measured: a
+/// room of 100 lamps, draft: photons of a basis take about half of its time.
+#define RSV_FULL_PHOTON_SOURCES 16
+
 // ---- Lights that follow what moves (source.c) --------------------------------------------------------
 
 /// Cells of a level of direct light, over those it was built with, from which on it is built anew: splits for shadows that have

@@ -6,6 +6,7 @@
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
+#include "relight/light_response.h"
 #include "resolvent/bake.h"
 #include "resolvent/trace.h"
 #include "slow_tests.h"
@@ -168,6 +169,66 @@ static void bakes_do_not_depend_on_threads(void **state)
         free(bytes[1]);
     }
     remove_folder(files.path);
+}
+
+// ---- many lamps -----------------------------------------------------------------------------------
+
+/// More than each get as many photons as the whole, over a floor that reflects them.
+#define LAMPS 20
+
+static void add_lamps(world *w, char name[LAMPS][16])
+{
+    rsv_material metal = lambert_material(0.8f, 0);
+    metal.metallic = 1;
+    metal.roughness = 0.05f;
+    world_quad(w, world_material(w, metal), v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1));
+    uint32_t ceiling = world_lambert(w, 0.5f, 0);
+    world_quad(w, ceiling, v3(-1, 1, -1), v3(1, 1, -1), v3(1, 1, 1), v3(-1, 1, 1));
+    for (int k = 0; k < LAMPS; k++) {
+        float x = -0.9f + 0.4f * (float)(k % 5), z = -0.8f + 0.4f * (float)(k / 5);
+        rsv_material lamp = lambert_material(0, 5);
+        snprintf(name[k], sizeof name[k], "lamp %d", k);
+        lamp.name = name[k];
+        world_quad(w, world_material(w, lamp), v3(x, 0.5f, z), v3(x + 0.1f, 0.5f, z),
+            v3(x + 0.1f, 0.5f, z + 0.1f), v3(x, 0.5f, z + 0.1f));
+    }
+    world_commit(w);
+}
+
+static void many_lamps_add_up_to_the_whole(void **state)
+{
+    (void)state;
+    char name[LAMPS][16];
+    world *w = world_begin(2);
+    add_lamps(w, name);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_light *light;
+    desc.element_target = 200;
+    desc.rays_per_element = 64;
+    desc.photon_count = 20000;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &light), RSV_OK);
+    const rsv_light_view *s = inside(light);
+    rsv_light_responses *parts;
+    size_t count = 0;
+    double most = 0, off = 0;
+    assert_int_equal(rsv_light_responses_count(light, &count), RSV_OK);
+    assert_int_equal(count, LAMPS);
+    assert_int_equal(rsv_light_responses_create(light, &parts), RSV_OK);
+    assert_int_equal(parts->count, count);
+    assert_non_null(s->caustics.caustic);
+    for (size_t n = 0; n < s->caustics.elements->node_count; n++) {
+        double sum = 0, whole = (double)s->caustics.caustic[n].g;
+        for (size_t k = 0; k < count; k++)
+            sum += (double)parts->view[k]->caustics.caustic[n].g;
+        most = fmax(most, whole);
+        off = fmax(off, fabs(sum - whole));
+    }
+    print_message("largest %.3g, sums of parts are off by %.3g\n", most, off);
+    assert_true(most > 0);
+    assert_true(off < 1e-4 * most);
+    rsv_light_responses_destroy(parts);
+    rsv_light_destroy(light);
+    world_end(w);
 }
 
 // ---- noise ----------------------------------------------------------------------------------------
@@ -359,6 +420,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(light_of_a_shaded_bulb_is_what_is_path_traced),
         cmocka_unit_test(bakes_do_not_depend_on_threads),
+        cmocka_unit_test(many_lamps_add_up_to_the_whole),
         cmocka_unit_test(smoothing_takes_noise_of_rows_away),
     };
     return RUN_HALF(argc, argv, quick, slow);
