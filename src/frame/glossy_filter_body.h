@@ -470,17 +470,19 @@ typedef struct pixel_lanes {
 } __attribute__((aligned(64))) pixel_lanes;
 
 typedef float vector_lanes __attribute__((vector_size(4 * LANES)));
-typedef int index_lanes __attribute__((vector_size(4 * LANES)));
 
 /// Numbers of the cells that sixteen pixels in a row lie in, or of their neighbours to the side.
 /// @param plane from the cell before the first one on
 static inline void spread_cells(const float *plane, bool beside, float *restrict to)
 {
-    const index_lanes own = { 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8 };
-    const index_lanes other = { 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9 };
     vector_lanes cells;
     memcpy(&cells, plane, sizeof cells);
-    cells = beside ? __builtin_shuffle(cells, other) : __builtin_shuffle(cells, own);
+    if (beside)
+        cells =
+            __builtin_shufflevector(cells, cells, 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9);
+    else
+        cells =
+            __builtin_shufflevector(cells, cells, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8);
     memcpy(to, &cells, sizeof cells);
 }
 
