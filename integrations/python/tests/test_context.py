@@ -19,6 +19,11 @@ LONG = {"width": 256, "height": 4096, "samples": 4096}
 
 
 class Interruptions(unittest.TestCase):
+    def setUp(self):
+        # what runs in the background of a shell begins with Ctrl-C ignored, and hands that on
+        handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, handler)
+
     def interrupted(self, work):
         """Ctrl-C a moment after the work began; it stops soon, by CPU time: other processes may keep it waiting."""
         timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
@@ -60,7 +65,7 @@ class Interruptions(unittest.TestCase):
             np.testing.assert_array_equal(scene.reference(width=8, samples=1), before)
 
     def test_ctrl_c_stops_scripts(self):
-        script = ("import resolvent, sys\nprint('ready', flush=True)\n"
+        script = ("import resolvent, signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\nprint('ready', flush=True)\n"
                   "resolvent.Scene.builtin('cornell-blocks').reference(width=256, height=4096, samples=4096)")
         pipe = subprocess.PIPE
         with subprocess.Popen([sys.executable, "-c", script], stdout=pipe, stderr=pipe) as process:
