@@ -29,4 +29,12 @@ rsv_status rsv_check_doubled(rsv_checker *checker);
 /// What cameras see: backs, and gaps in a closed room.
 rsv_status rsv_check_views(rsv_checker *checker);
 
+/// An order of points: by x, then y, then z.
+static inline int compare_places(rsv_vec3 p, rsv_vec3 q)
+{
+    if (p.x != q.x) return p.x < q.x ? -1 : 1;
+    if (p.y != q.y) return p.y < q.y ? -1 : 1;
+    return p.z != q.z ? (p.z < q.z ? -1 : 1) : 0;
+}
+
 #endif

@@ -13,13 +13,6 @@ typedef struct face {
     uint32_t triangle;
 } face;
 
-static int compare_places(rsv_vec3 p, rsv_vec3 q)
-{
-    if (p.x != q.x) return p.x < q.x ? -1 : 1;
-    if (p.y != q.y) return p.y < q.y ? -1 : 1;
-    return p.z != q.z ? (p.z < q.z ? -1 : 1) : 0;
-}
-
 static int compare_corners(const face *e, const face *f)
 {
     int order = 0;

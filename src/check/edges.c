@@ -18,13 +18,6 @@ typedef struct edge {
     bool turned; ///< its triangle has it the other way round
 } edge;
 
-static int compare_places(rsv_vec3 p, rsv_vec3 q)
-{
-    if (p.x != q.x) return p.x < q.x ? -1 : 1;
-    if (p.y != q.y) return p.y < q.y ? -1 : 1;
-    return p.z != q.z ? (p.z < q.z ? -1 : 1) : 0;
-}
-
 static int compare_edges(const void *p, const void *q)
 {
     const edge *e = p, *f = q;

@@ -176,7 +176,7 @@ static void bakes_do_not_depend_on_threads(void **state)
 /// More than each get as many photons as the whole, over a floor that reflects them.
 #define LAMPS 20
 
-static void add_lamps(world *w, char name[LAMPS][16])
+static void add_lamps(world *w, char name[LAMPS][24])
 {
     rsv_material metal = lambert_material(0.8f, 0);
     metal.metallic = 1;
@@ -198,7 +198,7 @@ static void add_lamps(world *w, char name[LAMPS][16])
 static void many_lamps_add_up_to_the_whole(void **state)
 {
     (void)state;
-    char name[LAMPS][16];
+    char name[LAMPS][24];
     world *w = world_begin(2);
     add_lamps(w, name);
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
