@@ -7,7 +7,7 @@ if(TARGET resolvent_program)
     endforeach()
     set_tests_properties(cli_python cli_gltf PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
-    set_tests_properties(cli_animation cli_bake cli_bench cli_budget cli_certify cli_document cli_files cli_gltf cli_gpu cli_luminaire cli_relight cli_render cli_scene cli_solve cli_surroundings cli_update
+    set_tests_properties(cli_animation cli_bake cli_bench cli_budget cli_certify cli_daylight cli_document cli_files cli_gltf cli_gpu cli_luminaire cli_photometry cli_relight cli_render cli_scene cli_solve cli_surroundings cli_update
         cli_view PROPERTIES LABELS slow)
     add_test(NAME cli_cluster COMMAND bash
         ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)

@@ -1015,7 +1015,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
-        cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
@@ -1024,6 +1023,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
         cmocka_unit_test(refinement_reaches_its_target),
         cmocka_unit_test(few_points_meet_a_bright_spot),
         cmocka_unit_test(a_known_error_of_a_room_is_found),

@@ -5,6 +5,7 @@
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "scene/scene.h"
+#include "slow_tests.h"
 
 #define LIGHTS 3
 
@@ -118,7 +119,7 @@ static void factors_do_not_compound(void **state)
     world *w = yard();
     rsv_light *once = solve(w), *often = solve(w);
     relight(once, half);
-    for (int k = 0; k < 20; k++) {
+    for (int k = 0; k < 4; k++) {
         const float some[LIGHTS] = { 0.37f * (float)k, 1 / (1 + (float)k), 0.1f * (float)(k % 3) };
         relight(often, some);
     }
@@ -333,16 +334,18 @@ static void lights_of_one_name_are_told_apart_by_number(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(lights_that_were_switched_off_are_switched_on_again),
         cmocka_unit_test(factors_do_not_compound),
         cmocka_unit_test(what_is_not_named_stays_as_it_was),
         cmocka_unit_test(files_and_copies_know_how_lights_stand),
-        cmocka_unit_test(chains_through_files_keep_what_does_not_move),
         cmocka_unit_test(roughly_sampled_parts_are_sampled_in_full_later),
         cmocka_unit_test(lights_of_one_name_are_told_apart_by_number),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(chains_through_files_keep_what_does_not_move),
+    };
+    return RUN_HALF(argc, argv, quick, longest);
 }

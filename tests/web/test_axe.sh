@@ -5,4 +5,4 @@ set -euo pipefail
 [[ -d $1/node_modules/axe-core ]] && command -v chromium >/dev/null ||
     { echo "skipped: web/node_modules or chromium is absent" && exit 77; }
 CHROMIUM=$(command -v chromium) node "$(dirname "$0")/test_axe.mjs" "$1" "$2" index.html docs/start-here.html docs/bake.html \
-    docs/commands.html docs/gallery.html docs/theory.html docs/limits.html docs/photometry.html src/index.html
+    docs/gallery.html docs/theory.html docs/photometry.html
