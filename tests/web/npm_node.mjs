@@ -1,5 +1,5 @@
 // The installed package in Node: both modules, worth of a sum in double precision, errors, speed.
-// usage: npm_node.mjs BASIS
+// usage: npm_node.mjs BASIS THE_SAME_PACKED
 import { readFile } from "node:fs/promises";
 import { LightBasis, hasSimd, loadModule, readTensors } from "resolvent-rt";
 

@@ -24,10 +24,10 @@ echo '{"name": "user", "type": "module", "private": true}' >"$work/user/package.
 ! grep -nE '\beval\(|new Function' "$work"/user/node_modules/resolvent-rt/*.js || { echo "FAILED: eval" && exit 1; }
 
 "$program" bake cornell-blocks -o "$work/user/box.glb" --to vertex --basis --quality draft
-"$program" bake cornell-blocks -o "$work/user/small.glb" --to vertex --basis --packed --quality draft
+"$program" bake cornell-blocks -o "$work/user/plain.glb" --to lightmap --basis --map-size 256 --quality draft
 "$program" bake cornell-blocks -o "$work/user/map.glb" --to lightmap --basis --packed --map-size 256 --quality draft
 cp "$source/tests/web/npm_node.mjs" "$source/tests/web/npm_page.html" "$work/user"
-(cd "$work/user" && node npm_node.mjs box.light.safetensors small.light.safetensors)
+(cd "$work/user" && node npm_node.mjs plain.light.safetensors map.light.safetensors)
 
 if [[ ! -d $source/web/node_modules ]] || ! command -v chromium >/dev/null; then
     echo "skipped: the page, because web/node_modules or chromium is absent"
