@@ -15,7 +15,6 @@ typedef struct gatherer {
     rsv_bsdf storage;
     const rsv_bsdf *coat;
     rsv_medium medium;
-    rsv_vec3 tangent, bitangent;
 } gatherer;
 
 static void set_up(gatherer *g, const rsv_light_view *s, const rsv_surface_place *p)
@@ -28,7 +27,6 @@ static void set_up(gatherer *g, const rsv_light_view *s, const rsv_surface_place
     g->medium = rsv_medium_above(&s->scene.media, g->at.origin, g->at.point.geometric);
     const rsv_footprint footprint = { p->triangle, p->u, p->v, 0, RSV_CHANNEL_ALL };
     g->coat = rsv_surface_bsdf(view, s->bsdf, footprint, &g->storage);
-    v3_frame(g->at.point.normal, &g->tangent, &g->bitangent);
 }
 
 /// What a surface that a ray has ended on reflects.
@@ -75,8 +73,7 @@ rsv_rgb rsv_bake_gather(
         rsv_sobol_2d(k, seed, &x, &y);
         rsv_random random = rsv_random_from(seed, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(g.tangent, d.x), d.y, g.bitangent), d.z, g.at.point.normal);
+        rsv_vec3 direction = v3_turned_to(g.at.point.normal, d);
         // what a tilted normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, g.at.point.horizon) <= 0) continue;
         sum = rgb_add(

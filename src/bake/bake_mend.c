@@ -32,16 +32,14 @@ static float change_within(const rsv_light_view *s, const rsv_surface_place *p, 
 static float nearness(const rsv_light_view *s, const rsv_surface_place *p)
 {
     rsv_surface_point at = rsv_surface_point_at(s->scene.view, p->triangle, p->u, p->v, p->back);
-    rsv_vec3 origin = rsv_offset_origin(at.position, at.geometric, at.extent), x, y;
+    rsv_vec3 origin = rsv_offset_origin(at.position, at.geometric, at.extent);
     float sum = 0;
-    v3_frame(at.geometric, &x, &y);
     for (uint32_t k = 0; k < NEAR_RAYS; k++) {
         float a, b;
         rsv_hit hit;
         rsv_sobol_2d(k, 0, &a, &b);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(a, b);
-        const rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(x, d.x), d.y, y), d.z, at.geometric),
-            INFINITY };
+        const rsv_ray ray = { origin, v3_turned_to(at.geometric, d), INFINITY };
         if (rsv_tracer_closest(s->tracer, &ray, &hit)) sum += 1 / f_max(hit.t, 1e-6f);
     }
     return sum / NEAR_RAYS;

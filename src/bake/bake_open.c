@@ -26,14 +26,11 @@ static bool is_in_pocket(
     const rsv_transport_scene *scene, const rsv_surface_point *at, rsv_vec3 origin)
 {
     float sum = 0;
-    rsv_vec3 tangent, bitangent;
-    v3_frame(at->geometric, &tangent, &bitangent);
     for (uint32_t k = 0; k < POCKET_RAYS; k++) {
         float x, y;
         rsv_sobol_2d(k, 0, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        const rsv_ray ray = { origin,
-            v3_mad(v3_mad(v3_scale(tangent, d.x), d.y, bitangent), d.z, at->geometric), INFINITY };
+        const rsv_ray ray = { origin, v3_turned_to(at->geometric, d), INFINITY };
         float way = way_to_back(scene, &ray);
         if (way < 0) return false;
         sum += way;

@@ -117,16 +117,14 @@ static void add_up(surfaces *f)
 static double sight_from(const rsv_light_view *s, uint32_t triangle, bool back, uint32_t k)
 {
     float x, y, u, v;
-    rsv_vec3 tangent, bitangent;
     rsv_hit hit;
     rsv_sobol_2d(k, 0, &x, &y);
     rsv_sobol_2d(k, 1, &u, &v);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     rsv_surface_point p = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
     rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-    v3_frame(p.geometric, &tangent, &bitangent);
     rsv_ray ray = { rsv_offset_origin(p.position, p.geometric, p.extent),
-        v3_mad(v3_mad(v3_scale(tangent, d.x), d.y, bitangent), d.z, p.geometric), INFINITY };
+        v3_turned_to(p.geometric, d), INFINITY };
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return s->lights->environment ? FAR : 0;
     return (double)f_min(hit.t, FAR);
 }

@@ -14,7 +14,6 @@ typedef struct receiver {
     rsv_entrance entrance; ///< how light enters there
     rsv_bsdf storage;
     rsv_medium medium;
-    rsv_vec3 tangent, bitangent; ///< frame about the normal that receives
     rsv_residual *result;
 } receiver;
 
@@ -45,7 +44,6 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
     r->entrance.coat = rsv_surface_bsdf(s->scene.view, s->bsdf,
         (rsv_footprint){ triangle, p->u, p->v, 0, RSV_CHANNEL_ALL }, &r->storage);
-    v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 
 /// A source that was drawn, and how much of its light arrives.
@@ -206,8 +204,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_sobol_2d(k, stream, &x, &y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->at.point.normal);
+        rsv_vec3 direction = v3_turned_to(r->at.point.normal, d);
         // what a tilted normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);

@@ -25,7 +25,8 @@
 /// are in headers `*_body.h`, which that file includes or, where RSV_DEVICE_CODE is defined, the header itself.
 #ifndef RSV_SHARED
 #if defined(RSV_DEVICE_CODE) && defined(__CUDACC__)
-#define RSV_SHARED RSV_LARGE // a kernel may reach dozens of them: compiled into it, that takes minutes
+#define RSV_SHARED                                                                                 \
+    RSV_LARGE // a kernel may reach dozens of them: compiled into it, that takes minutes
 #elif defined(RSV_DEVICE_CODE)
 #define RSV_SHARED RSV_INLINE
 #else
@@ -97,6 +98,14 @@ RSV_INLINE void v3_frame(rsv_vec3 n, rsv_vec3 *t, rsv_vec3 *b)
     float p = -1.0f / (sign + n.z), q = n.x * n.y * p;
     *t = v3(1.0f + sign * n.x * n.x * p, sign * q, -sign * n.x);
     *b = v3(q, sign + n.y * n.y * p, -n.y);
+}
+
+/// A direction given about the z axis, turned so that this axis becomes the unit vector `axis`.
+RSV_INLINE rsv_vec3 v3_turned_to(rsv_vec3 axis, rsv_vec3 local)
+{
+    rsv_vec3 t, b;
+    v3_frame(axis, &t, &b);
+    return v3_mad(v3_mad(v3_scale(t, local.x), local.y, b), local.z, axis);
 }
 
 RSV_INLINE rsv_rgb rgb(float r, float g, float b)

@@ -106,8 +106,6 @@ void rsv_sensor_rays_trace(
         .noise = noise,
         .place = rsv_sensor_place_of(d, index),
         .found = found };
-    rsv_vec3 t, b, n = s.place.normal;
-    v3_frame(n, &t, &b);
     s.per_group = (d->desc.sensor_rays + RSV_DAYLIGHT_GROUPS - 1) / RSV_DAYLIGHT_GROUPS;
     for (s.group = 0; s.group < RSV_DAYLIGHT_GROUPS; s.group++) {
         uint32_t stream = rsv_hash3(d->desc.seed ^ 0x1d2fu, (uint32_t)index, s.group);
@@ -116,7 +114,7 @@ void rsv_sensor_rays_trace(
             rsv_sobol_2d(k, stream, &x, &y);
             rsv_vec3 h = rsv_square_to_cosine_hemisphere(x, y);
             rsv_random random = rsv_random_from(stream, k, 0x2f6u);
-            trace(&s, v3_mad(v3_mad(v3_scale(t, h.x), h.y, b), h.z, n), &random);
+            trace(&s, v3_turned_to(s.place.normal, h), &random);
         }
     }
     summarise(&s);

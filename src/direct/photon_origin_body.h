@@ -5,13 +5,6 @@
 #include "../sources/punctual_light.h"
 #include "photon_origin.h"
 
-RSV_INLINE rsv_vec3 rsv_photon_to_world(rsv_vec3 local, rsv_vec3 axis)
-{
-    rsv_vec3 t, b;
-    v3_frame(axis, &t, &b);
-    return v3_mad(v3_mad(v3_scale(t, local.x), local.y, b), local.z, axis);
-}
-
 RSV_INLINE rsv_photon_emission rsv_emit_from_group(
     const rsv_photon_origins *o, uint32_t group, float x, float y, rsv_random *random)
 {
@@ -27,7 +20,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_group(
     rsv_photon_emission out;
     out.medium = NULL;
     out.origin = rsv_moved_off(point, normal, rsv_extent_of(o->scene->view, e->triangle));
-    out.direction = rsv_photon_to_world(rsv_square_to_cosine_hemisphere(x, y), normal);
+    out.direction = v3_turned_to(normal, rsv_square_to_cosine_hemisphere(x, y));
     double probability = rsv_emitter_power(e) / g->power;
     out.flux = rgb_scale(rsv_emitter_radiance(o->lights, index, back, u, v),
         (float)(M_PI * e->area * (e->double_sided ? 2 : 1) / probability));
@@ -40,8 +33,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_afar(
 {
     float dx, dy;
     rsv_square_to_disk(x, y, &dx, &dy);
-    rsv_vec3 offset =
-        rsv_photon_to_world(v3(dx * o->radius, dy * o->radius, -2 * o->radius), travels);
+    rsv_vec3 offset = v3_turned_to(travels, v3(dx * o->radius, dy * o->radius, -2 * o->radius));
     rsv_photon_emission out;
     out.origin = v3_add(o->centre, offset);
     out.direction = travels;
@@ -83,8 +75,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_light(
         float cos_outer = cosf(light->outer_cone_angle);
         float cos = 1 - x * (1 - cos_outer), sin = sqrtf(f_max(0, 1 - cos * cos));
         float phi = 2 * RSV_PI * y;
-        out.direction =
-            rsv_photon_to_world(v3(sin * cosf(phi), sin * sinf(phi), cos), light->direction);
+        out.direction = v3_turned_to(light->direction, v3(sin * cosf(phi), sin * sinf(phi), cos));
         solid_angle = 2 * RSV_PI * (1 - cos_outer);
     }
     rsv_punctual_sample metre_away;

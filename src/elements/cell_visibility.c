@@ -74,11 +74,9 @@ float rsv_clear_part(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 t
 static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)
 {
     float x, y;
-    rsv_vec3 t, b;
     rsv_sobol_2d(k, seed, &x, &y);
-    v3_frame(normal, &t, &b);
     rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-    return (rsv_ray){ origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+    return (rsv_ray){ origin, v3_turned_to(normal, d), INFINITY };
 }
 
 static bool meets_lamp(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_hit *hit)

@@ -79,15 +79,13 @@ static void look_at(void *user, uint32_t triangle, float *radius)
 /// Whether surfaces fill more than a share of the hemisphere that a patch faces, weighted by the cosine.
 static bool faces_more(const rsv_transport_scene *scene, const patch *p, float extent, float share)
 {
-    rsv_vec3 t, b, origin = rsv_offset_origin(p->centre, p->normal, extent);
+    rsv_vec3 origin = rsv_offset_origin(p->centre, p->normal, extent);
     float left = share * LOOKS;
-    v3_frame(p->normal, &t, &b);
     for (uint32_t k = 0; k < LOOKS && left >= 0; k++) {
         float x, y;
         rsv_hit hit;
         rsv_sobol_2d(k, 0, &x, &y);
-        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        d = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, p->normal);
+        rsv_vec3 d = v3_turned_to(p->normal, rsv_square_to_cosine_hemisphere(x, y));
         left -= rsv_tracer_closest(scene->tracer, &(rsv_ray){ origin, d, INFINITY }, &hit) &&
                 !is_mere_lamp(scene, hit.triangle);
     }

@@ -132,14 +132,12 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
             rsv_surface_point_seen(s->scene.view, path->triangle, path->u, path->v, path->back,
                 rsv_width_of_sample(path->width, r->sample)));
     const rsv_surface_point *point = &receiver.point;
-    rsv_vec3 t, b;
-    v3_frame(point->normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
         rsv_stratified_2d(r->sample.index * rays + k, total, rsv_hash2(r->sample.seed, 11), &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point->normal);
+        rsv_vec3 direction = v3_turned_to(point->normal, d);
         rsv_ray ray = { rsv_receiver_start(&receiver, direction), direction, INFINITY };
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         if (v3_dot(direction, point->horizon) <= 0) continue;

@@ -204,15 +204,13 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 
 static rsv_rgb gather(receiver *r, uint32_t stream)
 {
-    rsv_vec3 t, b;
-    v3_frame(r->at.point.normal, &t, &b);
     rsv_rgb sum = rgb_gray(0);
     for (uint32_t k = 0; k < r->job->gather_rays; k++) {
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
-        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r->at.point.normal);
+        rsv_vec3 direction = v3_turned_to(r->at.point.normal, d);
         sum = rgb_add(sum, gather_one(r, direction, &random));
     }
     return rgb_scale(sum, RSV_PI / (float)r->job->gather_rays);
@@ -311,15 +309,13 @@ size_t rsv_probe_ends(const rsv_probe_job *job, const rsv_probe *probe, uint32_t
 {
     receiver r = set_up_receiver(job, probe);
     uint32_t rays = GROUPS * job->gather_rays, stream = rsv_hash3(job->seed, index, 0);
-    rsv_vec3 t, b;
     size_t count = 0;
-    v3_frame(r.at.point.normal, &t, &b);
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
-        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r.at.point.normal);
+        rsv_vec3 direction = v3_turned_to(r.at.point.normal, d);
         if (!find_end(&r, direction, &random, &end[count], alone)) continue;
         end[count].weight = rgb_scale(end[count].weight, 1 / (float)rays);
         count++;

@@ -62,11 +62,9 @@ static void vote(search *s, uint32_t object)
 
 static rsv_vec3 random_around(rsv_vec3 normal, uint32_t stream, uint32_t k)
 {
-    rsv_vec3 t, b;
     rsv_vec3 d = rsv_square_to_cosine_hemisphere(
         rsv_unit_float(rsv_hash2(2 * stream, k)), rsv_unit_float(rsv_hash2(2 * stream + 1, k)));
-    v3_frame(normal, &t, &b);
-    return v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal);
+    return v3_turned_to(normal, d);
 }
 
 /// A coordinate of a place on a triangle, moved inwards: from its edge, rays would pass the wall that stands there.

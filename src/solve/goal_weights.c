@@ -86,16 +86,15 @@ static void weigh_reading(const rsv_operator_view *op, const rsv_goal_aim *aim, 
     uint32_t rays, uint32_t stream, rsv_rgb *weight)
 {
     const rsv_transport_scene *scene = &op->world->scene;
-    rsv_vec3 normal = v3_normalize(aim->point[index].normal), t, b;
+    rsv_vec3 normal = v3_normalize(aim->point[index].normal);
     rsv_vec3 origin = rsv_tracer_receiver_origin(scene->tracer, aim->point[index].position, normal);
     rsv_medium medium = rsv_medium_above(&scene->media, origin, normal);
-    v3_frame(normal, &t, &b);
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
-        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+        rsv_ray ray = { origin, v3_turned_to(normal, d), INFINITY };
         rsv_specular_path end;
         if (follow(scene, &ray, &medium, &random, &end))
             rsv_goal_weigh_end(op, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
