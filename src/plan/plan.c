@@ -86,7 +86,8 @@ rsv_status rsv_planner_solve(rsv_planner *p)
     return RSV_OK;
 }
 
-double rsv_planner_fall(const rsv_planner *p)
+/// Power of the samples with which squared errors fall.
+static double fall_of(const rsv_planner *p)
 {
     return p->plan.gathers ? RSV_GATHERED_FALL : RSV_STRATIFIED_FALL;
 }
@@ -102,8 +103,7 @@ static rsv_status take(rsv_planner *p, uint32_t samples, const uint32_t *count, 
         return rsv_render_reference(p->scene, &desc, image, NULL);
     rsv_status status = RSV_OK;
     if (!p->series) status = rsv_picture_series_create(p->light, &desc, &p->series);
-    return status == RSV_OK ? rsv_picture_series_take_uneven(p->series, &desc, count, image)
-                            : status;
+    return status == RSV_OK ? rsv_picture_series_take(p->series, &desc, count, image) : status;
 }
 
 rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
@@ -182,7 +182,7 @@ static rsv_status take_first(rsv_planner *p)
     rsv_sample_sum_clear(p->context, &p->sum);
     rsv_status status = rsv_planner_take(p, samples);
     if (status == RSV_OK) status = rsv_planner_take(p, samples);
-    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, rsv_planner_fall(p));
+    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     return status;
 }
 
@@ -243,7 +243,7 @@ static double noise_allowed(const rsv_planner *p)
 static uint32_t samples_needed(const rsv_planner *p)
 {
     return rsv_samples_for(
-        p->plan.noise / noise_allowed(p), p->sum.samples, rsv_planner_fall(p), MOST_SAMPLES);
+        p->plan.noise / noise_allowed(p), p->sum.samples, fall_of(p), MOST_SAMPLES);
 }
 
 /// Looks again, more closely, where the first look cannot tell whether elements are good enough.
@@ -280,7 +280,7 @@ static void begin_gathering(rsv_planner *p)
     p->gathered = (rsv_sample_sum){ 0 };
     p->picture.gather_rays = 1;
     p->plan.gathers = true;
-    p->plan.noise = rsv_sample_sum_noise(&p->sum, rsv_planner_fall(p));
+    p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     p->plan.elements_error *= GATHERED_LEFT;
     p->uncertainty *= GATHERED_LEFT;
 }
@@ -346,7 +346,7 @@ static rsv_status run_to_error(rsv_planner *p)
     choose_elements(p);
     RSV_TRY(find_solution(p));
     RSV_TRY(rsv_allocate_samples(
-        p->context, &p->sum, rsv_planner_fall(p), noise_allowed(p), MOST_SAMPLES, &allocation));
+        p->context, &p->sum, fall_of(p), noise_allowed(p), MOST_SAMPLES, &allocation));
     say_plan(p, p->sum.samples + (uint32_t)(allocation.mean + 0.5));
     if (allocation.mean > 0) RSV_TRY(rsv_planner_take_allocated(p, &allocation));
     double error = known_elements_error(p) + p->plan.noise;

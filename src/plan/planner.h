@@ -34,9 +34,6 @@ rsv_status rsv_planner_take(rsv_planner *planner, uint32_t samples);
 /// Takes a pass with a number of camera rays for each pixel and adds it, with the noise that is left.
 rsv_status rsv_planner_take_allocated(rsv_planner *planner, const rsv_allocation *allocation);
 
-/// Power of the samples with which squared errors fall.
-double rsv_planner_fall(const rsv_planner *planner);
-
 /// As good a picture as there is time for.
 rsv_status rsv_planner_run_until(rsv_planner *planner, double seconds);
 

@@ -168,14 +168,8 @@ void rsv_picture_series_destroy(rsv_picture_series *s)
     rsv_free(s->job.solution->context, s);
 }
 
-rsv_status rsv_picture_series_take(
-    const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
-{
-    return rsv_picture_series_take_uneven(series, desc, NULL, image);
-}
-
-rsv_status rsv_picture_series_take_uneven(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image)
+rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
+    const uint32_t *count, rsv_image **image)
 {
     rsv_picture_job job = series->job;
     job.count = count;
@@ -199,7 +193,7 @@ rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_i
 {
     rsv_picture_series *series = NULL;
     rsv_status status = rsv_picture_series_create(light, desc, &series);
-    if (status == RSV_OK) status = rsv_picture_series_take(series, desc, image);
+    if (status == RSV_OK) status = rsv_picture_series_take(series, desc, NULL, image);
     rsv_picture_series_destroy(series);
     return status;
 }

@@ -13,13 +13,11 @@ rsv_status rsv_picture_series_create(
 /// @param series NULL is allowed
 void rsv_picture_series_destroy(rsv_picture_series *series);
 
-/// One of the pictures. @param desc may differ from that at creation in samples, noise, gather rays, layers and seed
-rsv_status rsv_picture_series_take(
-    const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image);
-
-/// The same with a number of camera rays for each pixel; one with none is not to be used.
-/// @param desc with their mean as samples, without noise and shared pattern @param count [height * width] borrowed
-rsv_status rsv_picture_series_take_uneven(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
+/// One of the pictures.
+/// @param desc may differ from that at creation in samples, noise, gather rays, layers and seed; with a count, the mean of it
+/// as samples, without noise and shared pattern
+/// @param count [height * width] camera rays of each pixel, borrowed; one with none is not to be used. NULL: as many in all
+rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
+    const uint32_t *count, rsv_image **image);
 
 #endif

@@ -8,9 +8,11 @@
 #include "resolvent/render.h"
 
 #include "file_fixture.h"
+#include "slow_tests.h"
 
-/// One run in so many allocations; RSV_FAULTS=1 in the environment tries every one.
-#define STRIDE 97
+/// One run in so many allocations: by day, and with the argument `long`. RSV_FAULTS=1 in the environment tries every one.
+enum { BY_DAY = 97, BY_NIGHT = 7 };
+static size_t stride = BY_DAY;
 
 /// What a run makes; all of it may be missing after a failure.
 typedef struct products {
@@ -72,7 +74,7 @@ static rsv_status run_pictures(fixture *f, const char *scene, products *p)
 static void fail_each(
     fixture *f, rsv_status (*run)(fixture *, const char *, products *), const char *scene)
 {
-    size_t alive = f->allocations_alive, stride = getenv("RSV_FAULTS") ? 1 : STRIDE;
+    size_t alive = f->allocations_alive;
     f->allocations_left = SIZE_MAX - 1;
     products all = { 0 };
     if (run(f, scene, &all) != RSV_OK) fail_msg("%s: %s", scene, rsv_last_error());
@@ -214,8 +216,10 @@ static void frames_survive_failing_memory(void **state)
     fail_each(*state, run_frames, "cornell-spheres");
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    if (asks_for_more(argc, argv)) stride = BY_NIGHT;
+    if (getenv("RSV_FAULTS")) stride = 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             pictures_survive_failing_memory, fixture_setup, fixture_teardown),

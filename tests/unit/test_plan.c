@@ -58,6 +58,7 @@ static void a_picture_errs_as_much_as_was_asked_for(void **state)
     rsv_render_desc picture = picture_desc(size);
     rsv_plan_desc desc = rsv_default_plan_desc();
     double before = INFINITY;
+    uint32_t samples = 0;
     for (size_t k = 0; k < sizeof errors / sizeof errors[0]; k++) {
         desc.relative_error = errors[k];
         planned p = make(w, &desc, &picture);
@@ -69,7 +70,9 @@ static void a_picture_errs_as_much_as_was_asked_for(void **state)
         assert_true(error <= 1.25 * errors[k]);
         assert_true(p.plan.is_reached);
         assert_true(error < before);
+        assert_true(p.plan.samples >= samples);
         before = error;
+        samples = p.plan.samples;
         destroy(&p);
     }
     rsv_image_destroy(judge[0]);

@@ -112,6 +112,8 @@ static void lights_that_were_switched_off_are_switched_on_again(void **state)
     world_end(w);
 }
 
+static int times = 4; ///< that lights are relit in between; 20 of the long ones
+
 static void factors_do_not_compound(void **state)
 {
     (void)state;
@@ -119,7 +121,7 @@ static void factors_do_not_compound(void **state)
     world *w = yard();
     rsv_light *once = solve(w), *often = solve(w);
     relight(once, half);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < times; k++) {
         const float some[LIGHTS] = { 0.37f * (float)k, 1 / (1 + (float)k), 0.1f * (float)(k % 3) };
         relight(often, some);
     }
@@ -336,6 +338,7 @@ static void lights_of_one_name_are_told_apart_by_number(void **state)
 
 int main(int argc, char **argv)
 {
+    if (asks_for_more(argc, argv)) times = 20;
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(lights_that_were_switched_off_are_switched_on_again),
         cmocka_unit_test(factors_do_not_compound),
@@ -345,6 +348,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(lights_of_one_name_are_told_apart_by_number),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(factors_do_not_compound),
         cmocka_unit_test(chains_through_files_keep_what_does_not_move),
     };
     return RUN_HALF(argc, argv, quick, longest);

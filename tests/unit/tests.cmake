@@ -117,7 +117,7 @@ foreach(name IN ITEMS environment gltf certify opfile history bake_side scene fr
         plan random_scenes relight shadows follow operator_matrix)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled fog_reference fog_solution frame_input light_tree probe_errors random_certificates random_scenes relight_again rough_box solve update)
+foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled faults fog_reference fog_solution frame_input light_tree probe_errors random_certificates random_scenes relight_again rough_box solve update)
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(texture_formats unit/test_texture_formats.c)
