@@ -54,11 +54,16 @@ typedef struct rsv_context rsv_context;
 
 /// How a context behaves. Start from rsv_default_context_desc().
 typedef struct rsv_context_desc {
-    /// Worker threads; 0 = one per core, or OMP_NUM_THREADS. Results do not depend on it.
+    /// Workers that share a loop; 0 = one per core, or OMP_NUM_THREADS. Results do not depend on it.
     int thread_count;
+    /// Runs loops on threads of the program: calls `task(data, i)` once for each i < count, and returns when all have returned.
+    /// `count` is thread_count at most. Tasks may run at the same time or one after the other, in any order, on any threads;
+    /// none waits for another, and none calls this. NULL = OpenMP's threads. (Embree builds its hierarchies on threads of its
+    /// own.)
+    void (*parallel)(void *user, size_t count, void (*task)(void *data, size_t index), void *data);
     /// Receives notes and warnings, one line each without a newline; NULL = silent.
     void (*log)(void *user, rsv_log_level level, const char *message);
-    /// Called from the calling thread during long work, with `fraction` in [0, 1] within the named
+    /// Called from the calling thread, or one that runs a task of `parallel`, during long work, with `fraction` in [0, 1] within the named
     /// phase: "assemble", or "pilot 2: assemble" where the same is done for several parts of the work.
     /// Return false to cancel. NULL = no progress.
     bool (*progress)(void *user, const char *phase, double fraction);

@@ -33,6 +33,7 @@ struct rsv_context {
 };
 
 static _Thread_local char last_error[1024] = "no error";
+static _Thread_local unsigned error_count;
 
 /// Asks for huge pages inside large arrays: touching them for the first time costs a few faults, not thousands. Where the C
 /// library puts an array into its heap (below 32 MB at most) and not into a mapping of its own, the wish outlives it: what
@@ -114,6 +115,8 @@ rsv_status rsv_context_reset_cancel(rsv_context *context)
 
 const char *rsv_last_error(void) { return last_error; }
 
+unsigned rsv_error_count(void) { return error_count; }
+
 const char *rsv_version(void) { return RSV_VERSION_STRING; }
 
 bool rsv_note_error(const char *format, ...)
@@ -122,6 +125,7 @@ bool rsv_note_error(const char *format, ...)
     va_start(arguments, format);
     vsnprintf(last_error, sizeof last_error, format, arguments);
     va_end(arguments);
+    error_count++;
     for (char *c = last_error; *c; c++) // one line, whatever names a file brought in
         if ((unsigned char)*c < 0x20) *c = ' ';
     return true;
@@ -190,6 +194,8 @@ char *rsv_copy_string(rsv_context *context, const char *text)
 }
 
 int rsv_threads(const rsv_context *context) { return context->thread_count; }
+
+const rsv_context_desc *rsv_context_settings(const rsv_context *context) { return &context->desc; }
 
 int rsv_thread_index(void)
 {

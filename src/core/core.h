@@ -51,8 +51,14 @@ double rsv_machine_memory(void);
 /// A copy of `text` (NULL counts as ""); NULL on exhaustion.
 char *rsv_copy_string(rsv_context *context, const char *text);
 
-/// Worker threads to ask OpenMP for.
+/// How many errors the calling thread has noted.
+unsigned rsv_error_count(void);
+
+/// Workers that share a loop (parallel.h).
 int rsv_threads(const rsv_context *context);
+
+/// What the context was made from.
+const rsv_context_desc *rsv_context_settings(const rsv_context *context);
 
 /// Number of the calling thread within its OpenMP team; 0 is the thread that entered the library.
 int rsv_thread_index(void);
