@@ -1,5 +1,6 @@
 #include "bake_directions.h"
 
+#include "../core/parallel.h"
 #include "../render/probe_gather.h"
 #include "bake_constants.h"
 
@@ -62,24 +63,35 @@ static void read_node(
     fit(rsv_probe_read(job, &upright, node).irradiance, tangent, reading, d);
 }
 
-static rsv_status read_nodes(const rsv_light_view *s, rsv_rgb *const axis[3])
+/// All nodes read.
+typedef struct directions_job {
+    const rsv_light_view *light;
+    rsv_probe_job probe;
+    rsv_rgb *const *axis; ///< [3][node_count] out
+    atomic_size_t done;   ///< nodes
+} directions_job;
+
+static void read_span(void *data, rsv_span span)
 {
-    rsv_probe_job job = rsv_probe_job_of(s, TILT_SAMPLES, s->desc.seed, true);
-    size_t count = s->elements->node_count, done = 0;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < count; n++) {
+    directions_job *job = data;
+    const rsv_light_view *s = job->light;
+    for (size_t n = span.begin; n < span.end; n++) {
         rsv_surface_point place;
         rsv_rgb d[3] = { 0 };
-        if (rsv_cancelled(s->context)) continue;
-        if (find_place(s, (uint32_t)n, &place)) read_node(&job, (uint32_t)n, &place, d);
+        if (rsv_cancelled(s->context)) return;
+        if (find_place(s, (uint32_t)n, &place)) read_node(&job->probe, (uint32_t)n, &place, d);
         for (int a = 0; a < 3; a++)
-            axis[a][n] = d[a];
-        size_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(s->context, "directions", (double)finished / (double)count);
+            job->axis[a][n] = d[a];
+        size_t done = atomic_fetch_add_explicit(&job->done, 1, memory_order_relaxed) + 1;
+        if (span.worker == 0)
+            rsv_progress(s->context, "directions", (double)done / (double)s->elements->node_count);
     }
+}
+
+static rsv_status read_nodes(const rsv_light_view *s, rsv_rgb *const axis[3])
+{
+    directions_job job = { s, rsv_probe_job_of(s, TILT_SAMPLES, s->desc.seed, true), axis, 0 };
+    rsv_parallel_for(s->context, s->elements->node_count, 16, read_span, &job);
     return rsv_progress(s->context, "directions", 1);
 }
 

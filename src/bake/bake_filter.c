@@ -1,9 +1,11 @@
 #include "bake_filter.h"
 
+#include "../core/parallel.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
 
 typedef struct filter {
+    const rsv_context *context;
     const rsv_bake_noisy_map *map;
     float *luminance[2]; ///< [texels] of the halves
     float *variance;     ///< [texels] of the luminance of a half, a mean over neighbours
@@ -78,27 +80,42 @@ static void filter_texel(const filter *f, size_t texel, rsv_rgb result[2])
         result[h] = rgb_scale(result[h], 1 / weight[h]);
 }
 
-static rsv_status run(rsv_context *context, const filter *f)
+static void find_luminance(void *job, rsv_span span)
 {
-    const rsv_bake_noisy_map *map = f->map;
-    size_t texels = (size_t)map->width * map->height;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < texels; k++)
+    const filter *f = job;
+    for (size_t k = span.begin; k < span.end; k++)
         for (int h = 0; h < 2; h++)
-            f->luminance[h][k] = rgb_luminance(map->half[h][k]);
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < texels; k++)
-        if (map->group[k] != RSV_NONE) find_variance(f, k);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < texels; k++) {
+            f->luminance[h][k] = rgb_luminance(f->map->half[h][k]);
+}
+
+static void find_variances(void *job, rsv_span span)
+{
+    const filter *f = job;
+    for (size_t k = span.begin; k < span.end; k++)
+        if (f->map->group[k] != RSV_NONE) find_variance(f, k);
+}
+
+static void filter_texels(void *job, rsv_span span)
+{
+    const filter *f = job;
+    const rsv_bake_noisy_map *map = f->map;
+    for (size_t k = span.begin; k < span.end; k++) {
         rsv_rgb result[2] = { map->half[0][k], map->half[1][k] };
         // where the halves agree all of a source is seen, or nothing: there is no noise to be filtered
         bool noisy = map->group[k] != RSV_NONE && f->luminance[0][k] != f->luminance[1][k] &&
-                     !rsv_cancelled(context);
+                     !rsv_cancelled(f->context);
         if (noisy) filter_texel(f, k, result);
         map->filtered[0][k] = result[0];
         map->filtered[1][k] = result[1];
     }
+}
+
+static rsv_status run(rsv_context *context, filter *f)
+{
+    size_t texels = (size_t)f->map->width * f->map->height;
+    rsv_parallel_for(context, texels, 1024, find_luminance, f);
+    rsv_parallel_for(context, texels, 1024, find_variances, f);
+    rsv_parallel_for(context, texels, 256, filter_texels, f);
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -106,7 +123,7 @@ rsv_status rsv_bake_filter(rsv_context *context, const rsv_bake_noisy_map *map)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     size_t texels = (size_t)map->width * map->height;
-    filter f = { .map = map };
+    filter f = { .context = context, .map = map };
     f.variance = rsv_alloc(context, texels, sizeof *f.variance);
     for (int h = 0; h < 2; h++)
         f.luminance[h] = rsv_alloc(context, texels, sizeof *f.luminance[h]);

@@ -1,5 +1,6 @@
 #include "bake_grid_light.h"
 
+#include "../core/parallel.h"
 #include "../core/sampling.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
@@ -127,10 +128,10 @@ static bool interpolate(grid_light *q, size_t at, const size_t *lead, uint32_t c
 
 // ---- shadow rays ----------------------------------------------------------------------------------
 
-static void take_pilots(grid_light *q)
+static void take_pilots(void *job, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->s->context))
-    for (size_t k = 0; k < q->count; k++) {
+    grid_light *q = job;
+    for (size_t k = span.begin; k < span.end; k++) {
         size_t lead[4];
         if (q->group[k] == RSV_NONE || rsv_cancelled(q->s->context) || find_leads(q, k, lead) > 0)
             continue;
@@ -153,15 +154,13 @@ static uint32_t wanted_samples(const grid_light *q, size_t at)
     return (uint32_t)f_min(f_max(samples, LEAST_SAMPLES), MOST_LIGHT_SAMPLES);
 }
 
-/// Of patches that stand for themselves, or of those between them.
-static rsv_status send_rays(grid_light *q, bool between)
+/// @param between patches, not those that stand for themselves
+static void send_ray_span(grid_light *q, rsv_span span, bool between)
 {
     rsv_context *context = q->s->context;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < q->count; k++) {
+    if (span.worker == 0) rsv_progress(context, "bake", (double)span.begin / (double)q->count);
+    for (size_t k = span.begin; k < span.end; k++) {
         size_t lead[4];
-        if (rsv_thread_index() == 0 && k % 64 == 0)
-            rsv_progress(context, "bake", (double)k / (double)q->count);
         if (q->group[k] == RSV_NONE || rsv_cancelled(context)) continue;
         uint32_t leads = find_leads(q, k, lead);
         if ((leads > 0) != between || (between && interpolate(q, k, lead, leads))) continue;
@@ -169,6 +168,17 @@ static rsv_status send_rays(grid_light *q, bool between)
         if (samples == 0 && between) samples = q->grid->pilot_samples;
         if (samples > 0) look(q, k, samples, 1); // independent of the pilot, which chose how many
     }
+}
+
+static void send_rays_of_leads(void *job, rsv_span span) { send_ray_span(job, span, false); }
+
+static void send_rays_between(void *job, rsv_span span) { send_ray_span(job, span, true); }
+
+static rsv_status send_rays(grid_light *q)
+{
+    rsv_context *context = q->s->context;
+    rsv_parallel_for(context, q->count, 64, send_rays_of_leads, q);
+    rsv_parallel_for(context, q->count, 64, send_rays_between, q);
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -197,26 +207,45 @@ static uint32_t beside_light(const grid_light *q, size_t at)
     return samples;
 }
 
+/// A round in which some patches send more shadow rays.
+typedef struct round_job {
+    grid_light *grid;
+    uint32_t round;
+    uint16_t *wanted;   ///< [count] shadow rays; of penumbrae
+    atomic_size_t sent; ///< patches that did send
+} round_job;
+
+static void want_rays(void *job, rsv_span span)
+{
+    const round_job *r = job;
+    const grid_light *q = r->grid;
+    for (size_t k = span.begin; k < span.end; k++)
+        r->wanted[k] = q->group[k] == RSV_NONE ? 0 : (uint16_t)beside_light(q, k);
+}
+
+static void send_wanted(void *job, rsv_span span)
+{
+    round_job *r = job;
+    for (size_t k = span.begin; k < span.end; k++) {
+        if (r->wanted[k] == 0 || rsv_cancelled(r->grid->s->context)) continue;
+        look(r->grid, k, r->wanted[k], 1);
+        atomic_fetch_add_explicit(&r->sent, 1, memory_order_relaxed);
+    }
+}
+
 /// Follows penumbrae to where no more light is found: few rays of pilots miss the last of it.
 static rsv_status follow_penumbrae(grid_light *q)
 {
     rsv_context *context = q->s->context;
-    size_t sent = 1;
-    uint16_t *wanted = rsv_alloc(context, q->count, sizeof *wanted);
-    if (!wanted) return RSV_ERROR_MEMORY;
-    for (int round = 0; round < PENUMBRA_ROUNDS && sent > 0 && !rsv_cancelled(context); round++) {
-        sent = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-        for (size_t k = 0; k < q->count; k++)
-            wanted[k] = q->group[k] == RSV_NONE ? 0 : (uint16_t)beside_light(q, k);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : sent)
-        for (size_t k = 0; k < q->count; k++) {
-            if (wanted[k] == 0 || rsv_cancelled(context)) continue;
-            look(q, k, wanted[k], 1);
-            sent++;
-        }
+    round_job r = { .grid = q, .sent = 1 };
+    r.wanted = rsv_alloc(context, q->count, sizeof *r.wanted);
+    if (!r.wanted) return RSV_ERROR_MEMORY;
+    for (; r.round < PENUMBRA_ROUNDS && r.sent > 0 && !rsv_cancelled(context); r.round++) {
+        r.sent = 0;
+        rsv_parallel_for(context, q->count, 256, want_rays, &r);
+        rsv_parallel_for(context, q->count, 64, send_wanted, &r);
     }
-    rsv_free(context, wanted);
+    rsv_free(context, r.wanted);
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -242,23 +271,21 @@ static float error_around(const grid_light *q, size_t at)
     return sqrtf(squares / f_max(count, 1)) / f_max(light, q->accuracy->dark);
 }
 
-/// Sends four times the shadow rays where the error is larger than that of most patches may be. @return of how many
-static size_t refine(grid_light *q, uint32_t round)
+/// Sends four times the shadow rays where the error is larger than that of most patches may be.
+static void refine(void *job, rsv_span span)
 {
-    rsv_context *context = q->s->context;
-    size_t refined = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : refined)
-    for (size_t k = 0; k < q->count; k++) {
+    round_job *r = job;
+    grid_light *q = r->grid;
+    for (size_t k = span.begin; k < span.end; k++) {
         if (q->group[k] == RSV_NONE || q->samples[k] == 0 ||
-            q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(context) ||
+            q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(q->s->context) ||
             error_around(q, k) <= LARGEST_DEVIATION * q->accuracy->error)
             continue;
         uint32_t samples = 4u * q->samples[k];
         if (samples > MOST_REFINED_SAMPLES) samples = MOST_REFINED_SAMPLES;
-        look(q, k, samples, 2 + round);
-        refined++;
+        look(q, k, samples, 2 + r->round);
+        atomic_fetch_add_explicit(&r->sent, 1, memory_order_relaxed);
     }
-    return refined;
 }
 
 static rsv_status quieten(grid_light *q)
@@ -267,11 +294,12 @@ static rsv_status quieten(grid_light *q)
     const rsv_bake_grid *grid = q->grid;
     const rsv_bake_noisy_map noisy = { grid->width, grid->height, q->group,
         { q->half[0], q->half[1] }, { q->filtered[0], q->filtered[1] } };
-    size_t refined = 1;
+    round_job r = { .grid = q, .sent = 1 };
     RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
-    for (uint32_t round = 0; round < LIGHT_REFINEMENTS && refined > 0; round++) {
-        refined = refine(q, round);
-        if (refined > 0) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
+    for (; r.round < LIGHT_REFINEMENTS && r.sent > 0; r.round++) {
+        r.sent = 0;
+        rsv_parallel_for(q->s->context, q->count, 64, refine, &r);
+        if (r.sent > 0) RSV_TRY(rsv_bake_filter(q->s->context, &noisy));
     }
 cleanup:
     return status;
@@ -280,9 +308,8 @@ cleanup:
 static rsv_status estimate(grid_light *q)
 {
     rsv_status status;
-    take_pilots(q);
-    RSV_TRY(send_rays(q, false));
-    RSV_TRY(send_rays(q, true));
+    rsv_parallel_for(q->s->context, q->count, 256, take_pilots, q);
+    RSV_TRY(send_rays(q));
     bool noisy = rsv_lights_any_sampled(q->s->lights) || q->s->lights->punctual_tree;
     if (noisy) RSV_TRY(follow_penumbrae(q));
     if (noisy) RSV_TRY(quieten(q));

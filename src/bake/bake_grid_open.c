@@ -1,5 +1,6 @@
 #include "bake_grid_open.h"
 
+#include "../core/parallel.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
 
@@ -21,11 +22,16 @@ static bool leads(const grid_open *q, size_t k)
     return (x % 2 == 0 || last) && (y % 2 == 0 || lowest);
 }
 
-/// @param covered out: [count] whether the first place of those that look first is
-static void look_first(const grid_open *q, uint8_t *covered)
+typedef struct look_job {
+    const grid_open *open;
+    uint8_t *covered; ///< [count] whether the first place of those that look first is
+} look_job;
+
+static void look_first(void *job, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->context))
-    for (size_t k = 0; k < q->count; k++) {
+    const grid_open *q = ((const look_job *)job)->open;
+    uint8_t *covered = ((const look_job *)job)->covered;
+    for (size_t k = span.begin; k < span.end; k++) {
         rsv_bake_patch patch;
         if (q->grid->group[k] == RSV_NONE || !leads(q, k) || rsv_cancelled(q->context)) continue;
         q->grid->patch(q->grid->user, k, &patch);
@@ -47,10 +53,11 @@ static void count_around(const grid_open *q, const uint8_t *covered, size_t at, 
         }
 }
 
-static void look_closer(const grid_open *q, const uint8_t *first)
+static void look_closer(void *job, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(q->context))
-    for (size_t k = 0; k < q->count; k++) {
+    const grid_open *q = ((const look_job *)job)->open;
+    const uint8_t *first = ((const look_job *)job)->covered;
+    for (size_t k = span.begin; k < span.end; k++) {
         uint32_t around[2];
         rsv_bake_patch patch;
         if (q->grid->group[k] == RSV_NONE || rsv_cancelled(q->context)) continue;
@@ -122,8 +129,9 @@ rsv_status rsv_bake_grid_open_create(
     q->group = rsv_alloc(s->context, q->count, sizeof *q->group);
     q->stand_in = rsv_alloc(s->context, q->count, sizeof *q->stand_in);
     RSV_TRY(first && queue && q->covered && q->group && q->stand_in ? RSV_OK : RSV_ERROR_MEMORY);
-    look_first(q, first);
-    look_closer(q, first);
+    look_job job = { q, first };
+    rsv_parallel_for(s->context, q->count, 256, look_first, &job);
+    rsv_parallel_for(s->context, q->count, 256, look_closer, &job);
     spread(q, queue);
     settle(q);
     status = rsv_cancelled(s->context) ? RSV_ERROR_CANCELLED : RSV_OK;

@@ -1,5 +1,6 @@
 #include "bake_judge.h"
 
+#include "../core/parallel.h"
 #include "../core/sampling.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
@@ -120,27 +121,41 @@ static double percentile(double *value, size_t count, double share)
     return value[(size_t)(share * (double)(count - 1) + 0.5)];
 }
 
-/// @param error, noise out: [count] relative; noise is what the estimate itself is off by
+/// Values beside estimates of them.
+typedef struct comparison {
+    const rsv_bake_judge *judge;
+    rsv_bake_lamps lamps;
+    float dark;
+    double *error, *noise; ///< [count] relative; noise is what the estimate itself is off by
+} comparison;
+
+static void compare_span(void *job, rsv_span span)
+{
+    const comparison *c = job;
+    const rsv_light_view *s = c->judge->light;
+    for (size_t n = span.begin; n < span.end; n++) {
+        const rsv_bake_judged *judged = &c->judge->value[n];
+        c->error[n] = c->noise[n] = 0;
+        if (rsv_cancelled(s->context)) continue;
+        uint32_t seed = rsv_hash3(s->desc.seed, (uint32_t)n, 0x6a75u);
+        judgement j = estimate(&c->lamps, &judged->patch, seed, c->dark);
+        double least = fmax(j.light, (double)c->dark);
+        if (!(least > 0)) continue;
+        c->error[n] = fabs((double)rgb_luminance(judged->light) - j.light) / least;
+        c->noise[n] = j.noise / least;
+    }
+}
+
+/// @param error, noise out: [count], see comparison
 static rsv_status compare_values(
     const rsv_bake_judge *judge, float dark, double *error, double *noise)
 {
     const rsv_light_view *s = judge->light;
-    rsv_bake_lamps lamps = { .light = s };
-    rsv_status status = rsv_bake_sources_create(s->context, s->lights, &lamps.sources);
+    comparison c = { judge, { .light = s }, dark, error, noise };
+    rsv_status status = rsv_bake_sources_create(s->context, s->lights, &c.lamps.sources);
     if (status != RSV_OK) return status;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < judge->count; n++) {
-        const rsv_bake_judged *judged = &judge->value[n];
-        error[n] = noise[n] = 0;
-        if (rsv_cancelled(s->context)) continue;
-        judgement j =
-            estimate(&lamps, &judged->patch, rsv_hash3(s->desc.seed, (uint32_t)n, 0x6a75u), dark);
-        double least = fmax(j.light, (double)dark);
-        if (!(least > 0)) continue;
-        error[n] = fabs((double)rgb_luminance(judged->light) - j.light) / least;
-        noise[n] = j.noise / least;
-    }
-    rsv_bake_sources_destroy(&lamps.sources);
+    rsv_parallel_for(s->context, judge->count, 1, compare_span, &c);
+    rsv_bake_sources_destroy(&c.lamps.sources);
     return rsv_cancelled(s->context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "bake_operator.h"
 
+#include "../core/parallel.h"
 #include "../opfile/exchange.h"
 #include "bake_basis.h"
 
@@ -12,6 +13,14 @@ rsv_status rsv_bake_check_operator(const rsv_light_view *s, const rsv_bake_desc 
         "bake: an operator for run time cannot hold translucent materials; leave it out, or bake a "
         "basis, which holds their light too");
 }
+
+/// Where receivers lie.
+typedef struct receiver_places {
+    const rsv_elements *elements;
+    const rsv_bake_receiver *receiver; ///< [count]
+    uint32_t (*element)[3];            ///< [count] out
+    float (*weight)[3];                ///< [count] out
+} receiver_places;
 
 /// Elements and weights of a place; nothing where no light is kept.
 static void locate(
@@ -27,6 +36,13 @@ static void locate(
     memcpy(element, e->cell_node[cell], 3 * sizeof *element);
 }
 
+static void locate_span(void *job, rsv_span span)
+{
+    const receiver_places *p = job;
+    for (size_t n = span.begin; n < span.end; n++)
+        locate(p->elements, &p->receiver[n], p->element[n], p->weight[n]);
+}
+
 rsv_status rsv_bake_write_operator(const rsv_light_view *s, const char *kind,
     const rsv_bake_receiver *receiver, size_t count, const char *output)
 {
@@ -35,9 +51,8 @@ rsv_status rsv_bake_write_operator(const rsv_light_view *s, const char *kind,
     uint32_t(*element)[3] = rsv_alloc(s->context, count, sizeof *element);
     float(*weight)[3] = rsv_alloc(s->context, count, sizeof *weight);
     RSV_TRY(element && weight ? RSV_OK : RSV_ERROR_MEMORY);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < count; n++)
-        locate(s->elements, &receiver[n], element[n], weight[n]);
+    receiver_places places = { s->elements, receiver, element, weight };
+    rsv_parallel_for(s->context, count, 0, locate_span, &places);
     const char *slash = strrchr(output, '/');
     rsv_bake_name_beside(output, "operator", path);
     const rsv_file_receivers receivers = { kind, count, element, weight };

@@ -1,5 +1,6 @@
 #include "bake_smooth.h"
 
+#include "../core/parallel.h"
 #include "../core/vec.h"
 #include "../elements/elements.h"
 #include "bake_constants.h"
@@ -21,6 +22,7 @@ typedef struct smoother {
     float *
         departure; ///< [node_count] from the plane of those around; luminance, of noise of deviation 1 as large as that
     float *deviation; ///< [node_count] of noise
+    rsv_rgb *smooth;  ///< [node_count] out
 } smoother;
 
 /// A plane's value at the middle of a surrounding, as a sum over its nodes.
@@ -177,19 +179,34 @@ static rsv_rgb smooth_node(const smoother *q, uint32_t node)
     return best;
 }
 
-static rsv_status run(smoother *q, rsv_context *context, rsv_rgb *result)
+static void find_departures(void *job, rsv_span span)
+{
+    for (size_t n = span.begin; n < span.end; n++)
+        find_departure(job, (uint32_t)n);
+}
+
+static void find_deviations(void *job, rsv_span span)
+{
+    for (size_t n = span.begin; n < span.end; n++)
+        find_deviation(job, (uint32_t)n);
+}
+
+static void smooth_nodes(void *job, rsv_span span)
+{
+    const smoother *q = job;
+    for (size_t n = span.begin; n < span.end; n++) {
+        bool free = is_free(q->elements, (uint32_t)n);
+        q->smooth[n] = free ? smooth_node(q, (uint32_t)n) : q->value[n];
+    }
+}
+
+static rsv_status run(smoother *q, rsv_context *context)
 {
     size_t nodes = q->elements->node_count;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t n = 0; n < nodes; n++)
-        find_departure(q, (uint32_t)n);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t n = 0; n < nodes; n++)
-        find_deviation(q, (uint32_t)n);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t n = 0; n < nodes; n++)
-        result[n] = is_free(q->elements, (uint32_t)n) ? smooth_node(q, (uint32_t)n) : q->value[n];
-    rsv_elements_constrain(q->elements, result);
+    rsv_parallel_for(context, nodes, 256, find_departures, q);
+    rsv_parallel_for(context, nodes, 256, find_deviations, q);
+    rsv_parallel_for(context, nodes, 256, smooth_nodes, q);
+    rsv_elements_constrain(q->elements, q->smooth);
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
@@ -205,10 +222,11 @@ rsv_status rsv_bake_smooth_create(const rsv_light_view *s, rsv_bake_smooth *smoo
     q.deviation = rsv_alloc(context, nodes, sizeof *q.deviation);
     smooth->indirect = rsv_alloc(context, nodes, sizeof *smooth->indirect);
     smooth->gathered = rsv_alloc(context, nodes, sizeof *smooth->gathered); // zeros
+    q.smooth = smooth->indirect;
     if (sum && q.departure && q.deviation && smooth->indirect && smooth->gathered) {
         for (size_t n = 0; n < nodes; n++)
             sum[n] = rgb_add(s->indirect[n], s->gathered[n]);
-        status = run(&q, context, smooth->indirect);
+        status = run(&q, context);
         smooth->view.indirect = smooth->indirect;
         smooth->view.gathered = smooth->gathered;
     }

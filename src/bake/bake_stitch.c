@@ -1,5 +1,6 @@
 #include "bake_stitch.h"
 
+#include "../core/parallel.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
 #include "bake_stitch_groups.h"
@@ -265,6 +266,20 @@ static void close_group(jumps j, rsv_bake_map *map)
     }
 }
 
+/// Groups of stitches that share no texel.
+typedef struct group_job {
+    const jumps *jumps;
+    const rsv_bake_stitch_groups *groups;
+    rsv_bake_map *map;
+} group_job;
+
+static void close_groups(void *job, rsv_span span)
+{
+    const group_job *q = job;
+    for (size_t c = span.begin; c < span.end; c++)
+        close_group(jumps_of(q->jumps, q->groups, c), q->map);
+}
+
 rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitch, size_t count,
     rsv_bake_map *map, double *largest)
 {
@@ -280,9 +295,7 @@ rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitc
             show_truly(map, g.stitch[k].point[1], g.stitch[k].solved);
         }
     RSV_TRY(create_jumps(context, map, &g, &j));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (size_t c = 0; c < g.count; c++)
-        close_group(jumps_of(&j, &g, c), map);
+    rsv_parallel_for(context, g.count, 1, close_groups, &(group_job){ &j, &g, map });
     *largest = largest_jump(map, stitch, count);
 cleanup:
     destroy_jumps(context, &j);

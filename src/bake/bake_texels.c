@@ -1,5 +1,6 @@
 #include "bake_texels.h"
 
+#include "../core/parallel.h"
 #include "../core/vec.h"
 #include "bake_constants.h"
 
@@ -208,12 +209,22 @@ static rsv_rgb light_of(const rsv_light_view *s, rsv_bake_receiver r)
     return rsv_bake_irradiance(s, &r);
 }
 
+typedef struct light_job {
+    const rsv_light_view *light;
+    const rsv_bake_map *map;
+} light_job;
+
+static void light_texels(void *job, rsv_span span)
+{
+    const light_job *q = job;
+    for (size_t k = span.begin; k < span.end; k++)
+        q->map->light[k] = light_of(q->light, q->map->receiver[k]);
+}
+
 void rsv_bake_map_light(const rsv_light_view *s, rsv_bake_map *map)
 {
     size_t texels = (size_t)map->width * map->height;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(s->context))
-    for (size_t k = 0; k < texels; k++)
-        map->light[k] = light_of(s, map->receiver[k]);
+    rsv_parallel_for(s->context, texels, 1024, light_texels, &(light_job){ s, map });
 }
 
 double rsv_bake_map_sum(const rsv_bake_map *map)

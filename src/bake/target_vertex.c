@@ -1,4 +1,5 @@
 /// Light in the vertices of a glTF file.
+#include "../core/parallel.h"
 #include "../core/sampling.h"
 #include "../core/vec.h"
 #include "bake_basis.h"
@@ -102,20 +103,31 @@ static rsv_rgb mended(
     return rgb_positive(rgb_add(light, change));
 }
 
+typedef struct mend_job {
+    const vertex_bake *bake;
+    const rsv_bake_mesh *mesh;
+} mend_job;
+
+static void mend_vertices(void *job, rsv_span span)
+{
+    const vertex_bake *b = ((const mend_job *)job)->bake;
+    const rsv_bake_mesh *mesh = ((const mend_job *)job)->mesh;
+    for (size_t n = span.begin; n < span.end; n++) {
+        rsv_bake_patch patch;
+        if (mesh->receiver[n].triangle == RSV_NONE || rsv_cancelled(b->s->context)) continue;
+        rsv_bake_vertex_patch(&b->smooth.view, &mesh->receiver[n], b->finest, &patch);
+        if (rsv_bake_keep_open(&b->cover, &patch))
+            mesh->light[n] = mended(b, &b->smooth.view, &patch, mesh->light[n]);
+    }
+}
+
 /// Mends indirect light where elements do not show it well.
 static rsv_status mend(const vertex_bake *b)
 {
     rsv_context *context = b->s->context;
     for (size_t k = 0; k < b->parts.count; k++) {
-        const rsv_bake_mesh *mesh = &b->mesh[k];
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(context))
-        for (size_t n = 0; n < mesh->vertex_count; n++) {
-            rsv_bake_patch patch;
-            if (mesh->receiver[n].triangle == RSV_NONE || rsv_cancelled(context)) continue;
-            rsv_bake_vertex_patch(&b->smooth.view, &mesh->receiver[n], b->finest, &patch);
-            if (rsv_bake_keep_open(&b->cover, &patch))
-                mesh->light[n] = mended(b, &b->smooth.view, &patch, mesh->light[n]);
-        }
+        mend_job job = { b, &b->mesh[k] };
+        rsv_parallel_for(context, b->mesh[k].vertex_count, 16, mend_vertices, &job);
     }
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
@@ -313,32 +325,49 @@ static rsv_status list_receivers(vertex_bake *b)
 }
 
 /// Light of one source at all vertices.
+typedef struct read_job {
+    const vertex_bake *bake;
+    rsv_bake_smooth smooth;
+    rsv_bake_lamps lamps; ///< of the smooth view
+    rsv_bake_cover cover;
+    rsv_rgb *value; ///< [vertex_count] out
+} read_job;
+
+static rsv_rgb read_vertex(const read_job *job, size_t n)
+{
+    const vertex_bake *b = job->bake;
+    const rsv_light_view *light = &job->smooth.view;
+    rsv_bake_patch patch;
+    if (b->receiver[n].triangle == RSV_NONE || rsv_cancelled(light->context)) return rgb_gray(0);
+    rsv_bake_vertex_patch(light, &b->receiver[n], b->finest, &patch);
+    bool open = rsv_bake_keep_open(&job->cover, &patch);
+    float error = b->desc->error * dark_of(b->s) / DARK;
+    rsv_rgb value =
+        rsv_bake_light_patch(&job->lamps, &patch, error, rsv_hash2(b->s->desc.seed, (uint32_t)n));
+    return open ? mended(b, light, &patch, value) : value;
+}
+
+static void read_span(void *data, rsv_span span)
+{
+    const read_job *job = data;
+    for (size_t n = span.begin; n < span.end; n++)
+        job->value[n] = read_vertex(job, n);
+}
+
 static rsv_status read_vertices(
     const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {
-    const vertex_bake *b = reader->receiver;
-    float error = b->desc->error * dark_of(b->s);
-    rsv_bake_smooth smooth;
-    rsv_bake_lamps lamps = { .light = &smooth.view };
-    const rsv_bake_cover cover = rsv_bake_cover_of(light);
-    rsv_status status = rsv_bake_smooth_create(light, &smooth);
-    if (status == RSV_OK)
-        status = rsv_bake_sources_create(light->context, light->lights, &lamps.sources);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(light->context))
-    for (size_t n = 0; n < b->vertex_count; n++) {
-        rsv_bake_patch patch;
-        bool shown = status == RSV_OK && b->receiver[n].triangle != RSV_NONE &&
-                     !rsv_cancelled(light->context);
-        value[n] = rgb_gray(0);
-        if (!shown) continue;
-        rsv_bake_vertex_patch(&smooth.view, &b->receiver[n], b->finest, &patch);
-        bool open = rsv_bake_keep_open(&cover, &patch);
-        value[n] = rsv_bake_light_patch(
-            &lamps, &patch, error / DARK, rsv_hash2(b->s->desc.seed, (uint32_t)n));
-        if (open) value[n] = mended(b, &smooth.view, &patch, value[n]);
-    }
-    rsv_bake_sources_destroy(&lamps.sources);
-    rsv_bake_smooth_destroy(&smooth);
+    rsv_status status;
+    read_job job = { .bake = reader->receiver,
+        .lamps = { .light = &job.smooth.view },
+        .cover = rsv_bake_cover_of(light),
+        .value = value };
+    RSV_TRY(rsv_bake_smooth_create(light, &job.smooth));
+    RSV_TRY(rsv_bake_sources_create(light->context, light->lights, &job.lamps.sources));
+    rsv_parallel_for(light->context, job.bake->vertex_count, 64, read_span, &job);
+cleanup:
+    rsv_bake_sources_destroy(&job.lamps.sources);
+    rsv_bake_smooth_destroy(&job.smooth);
     if (status == RSV_OK && rsv_cancelled(light->context)) status = RSV_ERROR_CANCELLED;
     return status;
 }

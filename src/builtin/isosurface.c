@@ -1,6 +1,7 @@
 #include "isosurface.h"
 
 #include "../core/index_map.h"
+#include "../core/parallel.h"
 
 #include <string.h>
 
@@ -131,11 +132,11 @@ static rsv_vec3 gradient(const grid *g, rsv_vec3 p)
 }
 
 /// Newton's steps along the gradient, none longer than keeps neighbours in order.
-static void settle_vertices(grid *g)
+static void settle_vertices(void *job, rsv_span span)
 {
+    const grid *g = job;
     rsv_isosurface *out = g->out;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(g->context))
-    for (size_t i = 0; i < out->vertex_count; i++) {
+    for (size_t i = span.begin; i < span.end; i++) {
         rsv_vec3 p = out->position[i];
         for (int step = 0; step < NEWTON_STEPS; step++) {
             rsv_vec3 slope = gradient(g, p);
@@ -150,6 +151,13 @@ static void settle_vertices(grid *g)
     }
 }
 
+static void fill_span(void *job, rsv_span span)
+{
+    const grid *g = job;
+    for (size_t i = span.begin; i < span.end; i++)
+        g->value[i] = g->field(position_of(g, (uint32_t)i));
+}
+
 static rsv_status fill_grid(grid *g, rsv_vec3 high, uint32_t cells)
 {
     rsv_vec3 size = v3_sub(high, g->low);
@@ -162,9 +170,7 @@ static rsv_status fill_grid(grid *g, rsv_vec3 high, uint32_t cells)
         return rsv_fail(RSV_ERROR_ARGUMENT, "isosurface: %u cells are too many", cells);
     g->value = rsv_alloc(g->context, node_count, sizeof *g->value);
     if (!g->value) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(g->context))
-    for (size_t i = 0; i < node_count; i++)
-        g->value[i] = g->field(position_of(g, (uint32_t)i));
+    rsv_parallel_for(g->context, node_count, 1024, fill_span, g);
     return RSV_OK;
 }
 
@@ -190,7 +196,7 @@ rsv_status rsv_isosurface_create(rsv_context *context, rsv_field field, rsv_vec3
                 RSV_TRY(cut_cell(&g, x, y, z));
     surface->normal = rsv_alloc(context, surface->vertex_count, sizeof *surface->normal);
     if (!surface->normal) RSV_TRY(RSV_ERROR_MEMORY);
-    settle_vertices(&g);
+    rsv_parallel_for(context, surface->vertex_count, 0, settle_vertices, &g);
 cleanup:
     rsv_free(context, g.value);
     rsv_index_map_destroy(&g.edges);

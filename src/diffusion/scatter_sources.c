@@ -1,6 +1,7 @@
 #include "scatter_sources.h"
 
 #include "../core/index_map.h"
+#include "../core/parallel.h"
 #include "../elements/elements.h"
 
 #include <stdlib.h>
@@ -174,6 +175,13 @@ static void measure_cluster(const rsv_scatter_sources *s, rsv_scatter_cluster *c
     c->normal = v3_scale(normal, 1 / c->area);
 }
 
+static void measure_clusters(void *job, rsv_span span)
+{
+    rsv_scatter_sources *s = job;
+    for (size_t c = span.begin; c < span.end; c++)
+        measure_cluster(s, &s->cluster[c]);
+}
+
 static rsv_status build_trees(rsv_scatter_sources *s)
 {
     const rsv_elements *e = s->elements;
@@ -195,9 +203,7 @@ static rsv_status build_trees(rsv_scatter_sources *s)
             s->corner[k][i] = rsv_scatter_corner(e, s->cell[k], i);
     }
     rsv_free(s->context, cells);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(s->context))
-    for (size_t c = 0; c < s->cluster_count; c++)
-        measure_cluster(s, &s->cluster[c]);
+    rsv_parallel_for(s->context, s->cluster_count, 64, measure_clusters, s);
     return RSV_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "subsurface.h"
 
+#include "../core/parallel.h"
 #include "scatter_row.h"
 
 #include <string.h>
@@ -54,24 +55,33 @@ static rsv_status gather_block(
     return RSV_OK;
 }
 
+typedef struct gather_job {
+    rsv_subsurface *rows;
+    row_block *blocks; ///< [share.count] out
+    rsv_share share;
+    _Atomic rsv_status status;
+} gather_job;
+
+static void gather_shared(void *data, int worker)
+{
+    gather_job *job = data;
+    const rsv_scatter_sources *sources = job->rows->sources;
+    rsv_scatter_row row;
+    rsv_status status = rsv_scatter_row_create(sources, &row);
+    for (rsv_span s; rsv_share_take(&job->share, worker, &s);)
+        for (size_t k = s.begin; k < s.end; k++)
+            if (status == RSV_OK && !rsv_cancelled(sources->context))
+                status = gather_block(job->rows, k, &row, &job->blocks[k]);
+    rsv_scatter_row_destroy(&row);
+    rsv_keep_failure(&job->status, status);
+}
+
 static rsv_status gather_blocks(rsv_subsurface *p, row_block *blocks, size_t block_count)
 {
     rsv_context *context = p->sources->context;
-    rsv_status result = RSV_OK;
-#pragma omp parallel num_threads(rsv_threads(context))
-    {
-        rsv_scatter_row row;
-        rsv_status status = rsv_scatter_row_create(p->sources, &row);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t k = 0; k < block_count; k++)
-            if (status == RSV_OK && !rsv_cancelled(context))
-                status = gather_block(p, k, &row, &blocks[k]);
-        rsv_scatter_row_destroy(&row);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-        }
-    }
+    gather_job job = { p, blocks, rsv_share_of(block_count, 1), RSV_OK };
+    rsv_parallel_workers(context, block_count, gather_shared, &job);
+    rsv_status result = job.status;
     if (result == RSV_ERROR_MEMORY)
         return rsv_fail(result, "out of memory assembling subsurface scattering");
     return result == RSV_OK ? rsv_progress(context, "subsurface", 0.9) : result;
@@ -99,27 +109,37 @@ static rsv_rgb rgb_larger(rsv_rgb a, rsv_rgb b)
     return rgb(f_max(a.r, b.r), f_max(a.g, b.g), f_max(a.b, b.b));
 }
 
-/// Divides every entry by the larger one of its row's and its column's max(1, N); N is the sum of a row.
-static rsv_status keep_energy(rsv_subsurface *p)
+/// Sums of rows, 1 at least, in `entered`, which is free until the first product.
+static void sum_rows(void *job, rsv_span span)
 {
-    const rsv_scatter_sources *s = p->sources;
-    rsv_rgb *most = p->entered; // free until the first product
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t row = 0; row < p->row_count; row++) {
+    rsv_subsurface *p = job;
+    for (size_t row = span.begin; row < span.end; row++) {
         rsv_rgb sum = rgb_gray(0);
         for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++)
             sum = rgb_add(sum, p->weight[k]);
-        most[row] = rgb_larger(sum, rgb_gray(1));
+        p->entered[row] = rgb_larger(sum, rgb_gray(1));
     }
-    rsv_elements_constrain(s->elements, most);
-    rsv_scatter_collect(s, most);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t row = 0; row < p->row_count; row++) {
+}
+
+static void divide_rows(void *job, rsv_span span)
+{
+    rsv_subsurface *p = job;
+    const rsv_rgb *most = p->entered;
+    for (size_t row = span.begin; row < span.end; row++)
         for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++) {
             rsv_rgb divisor = rgb_larger(most[row], most[p->column[k]]), w = p->weight[k];
             p->weight[k] = rgb(w.r / divisor.r, w.g / divisor.g, w.b / divisor.b);
         }
-    }
+}
+
+/// Divides every entry by the larger one of its row's and its column's max(1, N); N is the sum of a row.
+static rsv_status keep_energy(rsv_subsurface *p)
+{
+    const rsv_scatter_sources *s = p->sources;
+    rsv_parallel_for(s->context, p->row_count, 0, sum_rows, p);
+    rsv_elements_constrain(s->elements, p->entered);
+    rsv_scatter_collect(s, p->entered);
+    rsv_parallel_for(s->context, p->row_count, 0, divide_rows, p);
     return rsv_progress(s->context, "subsurface", 1);
 }
 
@@ -227,6 +247,24 @@ size_t rsv_subsurface_bytes(const rsv_subsurface *p)
            (p ? p->row_count * sizeof *p->row_begin : 0);
 }
 
+typedef struct product_job {
+    const rsv_subsurface *rows;
+    rsv_rgb *diffused; ///< [row_count] out
+} product_job;
+
+static void multiply_rows(void *job, rsv_span span)
+{
+    const rsv_subsurface *p = ((const product_job *)job)->rows;
+    rsv_rgb *diffused = ((const product_job *)job)->diffused;
+    for (size_t row = span.begin; row < span.end; row++) {
+        if (!has_row(p->sources, (uint32_t)row)) continue;
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++)
+            sum = rgb_add(sum, rgb_mul(p->weight[k], p->entered[p->column[k]]));
+        diffused[row] = sum;
+    }
+}
+
 void rsv_subsurface_apply(
     rsv_subsurface *p, const rsv_elements *e, const rsv_rgb *irradiance, rsv_rgb *diffused)
 {
@@ -234,14 +272,8 @@ void rsv_subsurface_apply(
     if (!p) return;
     memcpy(p->entered, irradiance, e->node_count * sizeof *p->entered);
     rsv_scatter_collect(p->sources, p->entered);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (size_t row = 0; row < p->row_count; row++) {
-        if (!has_row(p->sources, (uint32_t)row)) continue;
-        rsv_rgb sum = rgb_gray(0);
-        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++)
-            sum = rgb_add(sum, rgb_mul(p->weight[k], p->entered[p->column[k]]));
-        diffused[row] = sum;
-    }
+    product_job job = { p, diffused };
+    rsv_parallel_for(e->context, p->row_count, 256, multiply_rows, &job);
     rsv_elements_constrain(e, diffused);
 }
 

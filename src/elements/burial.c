@@ -1,5 +1,6 @@
 #include "burial.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "open_corners.h"
 
@@ -32,21 +33,41 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
     return valid;
 }
 
+typedef struct burial_search {
+    const rsv_transport_scene *scene;
+    const rsv_elements *e;
+    rsv_support_draw draw;
+    const uint8_t *known;   ///< [node_count], or NULL
+    uint16_t *valid_points; ///< [node_count], out
+    rsv_team_place place;
+    _Atomic uint64_t rays;
+} burial_search;
+
+static void judge_nodes(void *user, rsv_span span)
+{
+    burial_search *s = user;
+    const rsv_elements *e = s->e;
+    uint64_t rays = 0;
+    for (size_t n = span.begin; n < span.end; n++) {
+        uint32_t node = (uint32_t)n;
+        if (!rsv_team_owns(s->place, node, RSV_TEAM_BLOCK) || (s->known && s->known[node]))
+            continue;
+        if (rsv_cancelled(e->context)) continue;
+        s->valid_points[node] =
+            e->node_hanging[node] == RSV_NONE
+                ? rsv_judge_points(s->scene, e, node, rsv_elements_draw_of(e, node), s->draw, &rays)
+                : 0;
+    }
+    atomic_fetch_add(&s->rays, rays);
+}
+
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e,
     rsv_support_draw draw, const uint8_t *known, uint16_t *valid_points, uint64_t *rays)
 {
-    rsv_team_place place = rsv_team_place_of(e->context);
-    uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
-    for (size_t node = 0; node < e->node_count; node++) {
-        if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
-        if (rsv_cancelled(e->context)) continue;
-        valid_points[node] = e->node_hanging[node] == RSV_NONE
-                                 ? rsv_judge_points(scene, e, (uint32_t)node,
-                                       rsv_elements_draw_of(e, (uint32_t)node), draw, &traced)
-                                 : 0;
-    }
-    *rays += rsv_team_total(e->context, traced);
+    burial_search search = { scene, e, draw, known, valid_points, rsv_team_place_of(e->context),
+        0 };
+    rsv_parallel_for(e->context, e->node_count, 64, judge_nodes, &search);
+    *rays += rsv_team_total(e->context, search.rays);
     rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count, RSV_TEAM_BLOCK);
     return rsv_progress(e->context, "assemble", 0);
 }

@@ -1,5 +1,6 @@
 #include "cluster.h"
 
+#include "../core/parallel.h"
 #include "elements_constants.h"
 #include "elements_internal.h"
 
@@ -239,6 +240,12 @@ static rsv_status add_followers(clustering *c)
     return status == RSV_OK ? list_followers(e) : status;
 }
 
+static void set_up_nodes(void *user, rsv_span span)
+{
+    for (size_t n = span.begin; n < span.end; n++)
+        set_up_node(user, (uint32_t)n);
+}
+
 rsv_status rsv_elements_cluster(rsv_elements *e, float radius)
 {
     rsv_status status = RSV_ERROR_MEMORY;
@@ -251,9 +258,7 @@ rsv_status rsv_elements_cluster(rsv_elements *e, float radius)
     c.led = rsv_alloc(e->context, e->node_count, sizeof *c.led);
     c.distance = rsv_alloc(e->context, e->node_count, sizeof *c.distance);
     if (!c.radius || !c.place || !c.normal || !c.fine || !c.led || !c.distance) goto cleanup;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++)
-        set_up_node(&c, n);
+    rsv_parallel_for(e->context, e->node_count, 0, set_up_nodes, &c);
     RSV_TRY(choose_leaders(&c));
     RSV_TRY(add_followers(&c));
 cleanup:

@@ -1,5 +1,6 @@
 #include "contact.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "elements_constants.h"
 #include "elements_internal.h"
@@ -116,21 +117,39 @@ static void separate_node(
     *next += sides ? sides - 1 : 0;
 }
 
+/// Which sides of walls nodes have cells on.
+typedef struct side_job {
+    const rsv_transport_scene *scene;
+    const rsv_elements *e;
+    uint8_t *
+        divided; ///< [node_count] non-zero where walls stand around a node; then, how many sides it has
+    uint8_t *side; ///< [3 cell_count] of each support
+    _Atomic uint64_t rays;
+} side_job;
+
+static void find_sides_of_nodes(void *user, rsv_span span)
+{
+    side_job *job = user;
+    uint64_t rays = 0;
+    for (size_t node = span.begin; node < span.end; node++)
+        if (job->divided[node])
+            job->divided[node] =
+                (uint8_t)find_sides(job->scene, job->e, (uint32_t)node, job->side, &rays);
+    atomic_fetch_add(&job->rays, rays);
+}
+
 /// @param divided [node_count] non-zero where walls stand around a node @param next out: number of nodes then
 static rsv_status separate_nodes(const rsv_transport_scene *scene, rsv_elements *e,
     uint8_t *divided, uint32_t *next, uint64_t *rays)
 {
     uint8_t *side = rsv_reserve(e->context, 3 * e->cell_count, 1);
     if (!side) return RSV_ERROR_MEMORY;
-    uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : traced)
-    for (uint32_t node = 0; node < e->node_count; node++)
-        if (divided[node]) divided[node] = (uint8_t)find_sides(scene, e, node, side, &traced);
+    side_job job = { scene, e, divided, side, 0 };
+    rsv_parallel_for(e->context, e->node_count, 256, find_sides_of_nodes, &job);
     *next = (uint32_t)e->node_count;
     for (uint32_t node = 0; node < e->node_count; node++)
         if (divided[node]) separate_node(e, node, side, divided[node], next);
-    *rays += traced;
+    *rays += job.rays;
     rsv_free(e->context, side);
     return RSV_OK;
 }
@@ -184,15 +203,29 @@ static bool hangs_across_wall(const rsv_transport_scene *scene, const rsv_elemen
     return rsv_is_blocked(scene, near, far);
 }
 
+typedef struct edge_job {
+    const rsv_transport_scene *scene;
+    const rsv_elements *e;
+    hanging_edge *edge; ///< [hanging_count], out
+} edge_job;
+
+static void find_edges(void *user, rsv_span span)
+{
+    const edge_job *job = user;
+    const rsv_elements *e = job->e;
+    for (size_t h = span.begin; h < span.end; h++) {
+        hanging_edge *edge = &job->edge[h];
+        *edge = find_edge(e, &e->hanging[h]);
+        edge->walled =
+            edge->cell != RSV_NONE && hangs_across_wall(job->scene, e, &e->hanging[h], edge);
+    }
+}
+
 /// Lets go of nodes that hang across a wall and remembers the edges of the others.
 static void release_hanging(const rsv_transport_scene *scene, rsv_elements *e, hanging_edge *edge)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (size_t h = 0; h < e->hanging_count; h++) {
-        edge[h] = find_edge(e, &e->hanging[h]);
-        edge[h].walled =
-            edge[h].cell != RSV_NONE && hangs_across_wall(scene, e, &e->hanging[h], &edge[h]);
-    }
+    edge_job job = { scene, e, edge };
+    rsv_parallel_for(e->context, e->hanging_count, 256, find_edges, &job);
     size_t kept = 0;
     for (size_t h = 0; h < e->hanging_count; h++) {
         e->node_hanging[e->hanging[h].node] = edge[h].walled ? RSV_NONE : (uint32_t)kept;
@@ -211,6 +244,31 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
             e->hanging[h].parent[p] = e->cell_node[edge[h].cell][edge[h].corner[p]];
 }
 
+/// Around which nodes walls stand.
+typedef struct division {
+    const rsv_transport_scene *scene;
+    const rsv_elements *earlier, *e;
+    const uint8_t *undivided; ///< [node_count] known
+    uint8_t *divided;         ///< [node_count], out
+    rsv_team_place place;
+    _Atomic uint64_t rays;
+} division;
+
+static void judge_nodes(void *user, rsv_span span)
+{
+    division *d = user;
+    uint64_t rays = 0;
+    for (size_t n = span.begin; n < span.end; n++) {
+        uint32_t node = (uint32_t)n;
+        if (!rsv_team_owns(d->place, node, RSV_TEAM_BLOCK)) continue;
+        // walls took away some of the cells around each node that they divided: such have no twin
+        bool known = d->undivided[node] ||
+                     (d->earlier && rsv_elements_find_twin(d->e, node, d->earlier) != RSV_NONE);
+        d->divided[node] = !known && is_divided(d->scene, d->e, node, &rays);
+    }
+    atomic_fetch_add(&d->rays, rays);
+}
+
 rsv_status rsv_elements_separate(
     const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
@@ -223,20 +281,11 @@ rsv_status rsv_elements_separate(
     const rsv_known_cells *known_cells = scene->known_cells;
     if (known_cells) RSV_TRY(known_cells->find_undivided(known_cells->user, e, undivided));
     size_t hanging_before = e->hanging_count;
-    rsv_team_place place = rsv_team_place_of(e->context);
-    uint64_t traced = 0;
     release_hanging(scene, e, edge);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : traced)
-    for (uint32_t node = 0; node < e->node_count; node++) {
-        if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK)) continue;
-        // walls took away some of the cells around each node that they divided: such have no twin
-        bool known =
-            undivided[node] || (earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE);
-        divided[node] = !known && is_divided(scene, e, node, &traced);
-    }
+    division d = { scene, earlier, e, undivided, divided, rsv_team_place_of(e->context), 0 };
+    rsv_parallel_for(e->context, e->node_count, 256, judge_nodes, &d);
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
-    traced = rsv_team_total(e->context, traced) + hanging_before;
+    uint64_t traced = rsv_team_total(e->context, d.rays) + hanging_before;
     uint32_t next;
     RSV_TRY(separate_nodes(scene, e, divided, &next, &traced));
     reattach_hanging(e, edge);

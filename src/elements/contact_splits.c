@@ -1,3 +1,4 @@
+#include "../core/parallel.h"
 #include "contact.h"
 #include "elements_constants.h"
 #include "elements_internal.h"
@@ -29,13 +30,26 @@ static float finest_size(
     return f_max(least, ldexpf(cell_size(e, cell), (int)splits - (int)levels));
 }
 
+typedef struct size_job {
+    const rsv_elements *e;
+    const rsv_growth *growth;
+    uint32_t splits;
+    float *finest; ///< [cell_count], out
+} size_job;
+
+static void size_cells(void *user, rsv_span span)
+{
+    const size_job *job = user;
+    for (size_t c = span.begin; c < span.end; c++)
+        job->finest[c] = finest_size(job->e, (uint32_t)c, job->growth, job->splits);
+}
+
 /// @param finest [cell_count], out
 static void find_finest_sizes(
     const rsv_elements *e, const rsv_growth *growth, uint32_t splits, float *finest)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        finest[c] = finest_size(e, c, growth, splits);
+    size_job job = { e, growth, splits, finest };
+    rsv_parallel_for(e->context, e->cell_count, 256, size_cells, &job);
 }
 
 /// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it

@@ -1,6 +1,7 @@
 #include "curvature.h"
 
 #include "../core/first_map.h"
+#include "../core/parallel.h"
 #include "elements_constants.h"
 
 double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
@@ -35,34 +36,50 @@ static void pair(_Atomic uint32_t *across, uint32_t first, uint32_t edge)
                &across[first], &was, edge, memory_order_relaxed, memory_order_relaxed)) {}
 }
 
+typedef struct partner_search {
+    const rsv_elements *e;
+    _Atomic uint32_t *across; ///< [4 cell_count], out
+    uint32_t *slot;           ///< [4 cell_count] of `edges`
+    rsv_first_map edges;
+} partner_search;
+
+static void note_edges(void *user, rsv_span span)
+{
+    partner_search *s = user;
+    for (size_t edge = span.begin; edge < span.end; edge++) {
+        atomic_init(&s->across[edge], NO_CELL);
+        if (edge % 4 == 3) continue;
+        uint64_t key = edge_of_cell(s->e, edge / 4, (int)(edge % 4));
+        s->slot[edge] = rsv_first_map_note(&s->edges, key, (uint32_t)edge);
+    }
+}
+
+static void pair_edges(void *user, rsv_span span)
+{
+    const partner_search *s = user;
+    for (size_t edge = span.begin; edge < span.end; edge++) {
+        if (edge % 4 == 3) continue;
+        uint32_t first = s->edges.slot[s->slot[edge]].first;
+        if (first != edge) pair(s->across, first, (uint32_t)edge);
+    }
+}
+
 /// Which other cell lies across each edge.
 /// @param across [4 cell_count] out: by 4 * cell + corner opposite to the edge, the same of the other cell; NO_CELL at
 /// borders and where smaller or larger cells follow
 static rsv_status find_partners(const rsv_elements *e, _Atomic uint32_t *across)
 {
     rsv_status status;
-    rsv_first_map edges = { 0 };
     size_t count = 4 * e->cell_count;
-    int threads = rsv_threads(e->context);
-    uint32_t *slot = rsv_reserve(e->context, count, sizeof *slot);
-    RSV_TRY(slot ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_first_map_create(e->context, 3 * e->cell_count, &edges));
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t edge = 0; edge < count; edge++) {
-        atomic_init(&across[edge], NO_CELL);
-        if (edge % 4 == 3) continue;
-        uint64_t key = edge_of_cell(e, edge / 4, (int)(edge % 4));
-        slot[edge] = rsv_first_map_note(&edges, key, (uint32_t)edge);
-    }
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t edge = 0; edge < count; edge++) {
-        if (edge % 4 == 3) continue;
-        uint32_t first = edges.slot[slot[edge]].first;
-        if (first != edge) pair(across, first, (uint32_t)edge);
-    }
+    partner_search s = { .e = e, .across = across };
+    s.slot = rsv_reserve(e->context, count, sizeof *s.slot);
+    RSV_TRY(s.slot ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_first_map_create(e->context, 3 * e->cell_count, &s.edges));
+    rsv_parallel_for(e->context, count, 0, note_edges, &s);
+    rsv_parallel_for(e->context, count, 0, pair_edges, &s);
 cleanup:
-    rsv_first_map_destroy(&edges);
-    rsv_free(e->context, slot);
+    rsv_first_map_destroy(&s.edges);
+    rsv_free(e->context, s.slot);
     return status;
 }
 
@@ -97,6 +114,27 @@ static float curvature_of(const edge_values *v, float floor)
     return departure > 0 && level > 0 ? departure / level : 0;
 }
 
+typedef struct curvature_job {
+    const rsv_elements *e;
+    const rsv_curvature_field *field;
+    rsv_curved_edges places;
+    _Atomic uint32_t *across; ///< [4 cell_count]
+    float *curvature;         ///< [4 cell_count], zeros at first
+} curvature_job;
+
+static void measure_edges(void *user, rsv_span span)
+{
+    const curvature_job *job = user;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t edge = (uint32_t)k, across = job->across[k];
+        bool border = across == NO_CELL && job->places == RSV_CURVED_EDGES_AND_BORDERS;
+        // an inner edge once, from its later side
+        if (edge % 4 == 3 || (!border && across > edge)) continue;
+        edge_values v = values_at(job->e, job->field, edge, border ? edge : across);
+        job->curvature[edge] = curvature_of(&v, job->field->floor);
+    }
+}
+
 rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_curvature_field *field,
     rsv_curved_edges places, rsv_curved_edge_found found, void *user)
 {
@@ -106,14 +144,8 @@ rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_curvature_fiel
     float *curvature = rsv_alloc(e->context, count, sizeof *curvature);
     RSV_TRY(across && curvature ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(find_partners(e, across));
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (uint32_t edge = 0; edge < count; edge++) {
-        bool border = across[edge] == NO_CELL && places == RSV_CURVED_EDGES_AND_BORDERS;
-        // an inner edge once, from its later side
-        if (edge % 4 == 3 || (!border && across[edge] > edge)) continue;
-        edge_values v = values_at(e, field, edge, border ? edge : across[edge]);
-        curvature[edge] = curvature_of(&v, field->floor);
-    }
+    curvature_job job = { e, field, places, across, curvature };
+    rsv_parallel_for(e->context, count, 0, measure_edges, &job);
     for (uint32_t edge = 0; edge < count; edge++)
         if (curvature[edge] > field->threshold)
             found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4,

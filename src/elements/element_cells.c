@@ -1,6 +1,7 @@
 /// Faces, their grids and the 4-to-1 subdivision of cells.
 #include "elements_internal.h"
 
+#include "../core/parallel.h"
 #include "known_cells.h"
 #include "open_corners.h"
 #include "weld.h"
@@ -83,12 +84,23 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
         .coarsest;
 }
 
+typedef struct grid_job {
+    rsv_elements *e;
+    const rsv_spacing *spacing;
+} grid_job;
+
+static void choose_levels(void *user, rsv_span span)
+{
+    const grid_job *job = user;
+    for (size_t face = span.begin; face < span.end; face++)
+        job->e->face_level[face] = grid_level(job->e, job->spacing, face);
+}
+
 rsv_status rsv_elements_create_grid(rsv_elements *e, const rsv_spacing *spacing)
 {
     size_t count = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (size_t face = 0; face < e->face_count; face++)
-        e->face_level[face] = grid_level(e, spacing, face);
+    grid_job job = { e, spacing };
+    rsv_parallel_for(e->context, e->face_count, 256, choose_levels, &job);
     for (size_t face = 0; face < e->face_count; face++) {
         e->face_slot[face] = (uint32_t)count;
         count += (size_t)1 << (2 * e->face_level[face]);

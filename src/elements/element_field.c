@@ -1,6 +1,7 @@
 /// Fields on elements: sampling a node's hat function, constraints, averages.
 #include "elements_internal.h"
 
+#include "../core/parallel.h"
 #include "elements_constants.h"
 
 #include <string.h>
@@ -238,13 +239,26 @@ static void constrain_node(const rsv_hanging *hanging, rsv_rgb *value)
     value[hanging->node] = sum;
 }
 
+/// A field and what becomes of it.
+typedef struct field_job {
+    const rsv_elements *e;
+    const rsv_rgb *value;
+    rsv_rgb *result;
+} field_job;
+
+static void constrain_followers(void *user, rsv_span span)
+{
+    const field_job *job = user;
+    for (size_t h = span.begin; h < span.end; h++)
+        constrain_node(&job->e->hanging[h], job->result);
+}
+
 void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
 {
     // leaders are free, so that followers do not wait for each other
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(e->context)) if (e->follower_count > RSV_PARALLEL_NODES)
-    for (size_t h = 0; h < e->follower_count; h++)
-        constrain_node(&e->hanging[h], value);
+    field_job job = { e, value, value };
+    size_t grain = e->follower_count > RSV_PARALLEL_NODES ? 0 : RSV_PARALLEL_NODES;
+    rsv_parallel_for(e->context, e->follower_count, grain, constrain_followers, &job);
     for (size_t h = e->follower_count; h < e->hanging_count; h++)
         constrain_node(&e->hanging[h], value);
 }
@@ -263,10 +277,12 @@ void rsv_elements_constrain_transpose(const rsv_elements *elements, size_t field
     }
 }
 
-void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *average)
+static void average_nodes(void *user, rsv_span span)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t node = 0; node < e->node_count; node++) {
+    const field_job *job = user;
+    const rsv_elements *e = job->e;
+    const rsv_rgb *value = job->value;
+    for (size_t node = span.begin; node < span.end; node++) {
         if (e->node_hanging[node] != RSV_NONE) continue; // constrained below
         rsv_rgb sum = rgb_gray(0);
         float weight = 0;
@@ -280,7 +296,13 @@ void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *
             sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 2) % 3]]);
             weight += area;
         }
-        average[node] = weight > 0 ? rgb_scale(sum, 1 / weight) : value[node];
+        job->result[node] = weight > 0 ? rgb_scale(sum, 1 / weight) : value[node];
     }
+}
+
+void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *average)
+{
+    field_job job = { e, value, average };
+    rsv_parallel_for(e->context, e->node_count, 0, average_nodes, &job);
     rsv_elements_constrain(e, average);
 }

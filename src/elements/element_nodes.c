@@ -3,6 +3,7 @@
 #include "elements_constants.h"
 #include "elements_internal.h"
 
+#include "../core/parallel.h"
 #include "node_table.h"
 
 #include <string.h>
@@ -45,40 +46,72 @@ static size_t end_of_block(const rsv_elements *e, size_t block)
     return end < e->cell_count ? end : e->cell_count;
 }
 
+/// Nodes while they are found and numbered.
+typedef struct numbering {
+    rsv_elements *e;
+    rsv_node_table *nodes;
+    uint32_t *begin; ///< [blocks + 1] first number of a block of cells
+    uint8_t *first;  ///< [cell_count] bit k: the cell is the first at its corner k
+} numbering;
+
+static void note_corners(void *user, rsv_span span)
+{
+    const numbering *n = user;
+    const rsv_elements *e = n->e;
+    for (size_t c = span.begin; c < span.end; c++)
+        for (int k = 0; k < 3; k++)
+            e->cell_node[c][k] = rsv_node_table_note(n->nodes, e->cell[c].face,
+                rsv_lattice_corner(&e->cell[c], k), 4 * (uint32_t)c + (uint32_t)k);
+}
+
+static void mark_blocks(void *user, rsv_span span)
+{
+    const numbering *n = user;
+    for (size_t b = span.begin; b < span.end; b++)
+        n->begin[b + 1] =
+            mark_first(n->e, n->nodes, b * CELLS_AT_A_TIME, end_of_block(n->e, b), n->first);
+}
+
+static void number_blocks(void *user, rsv_span span)
+{
+    const numbering *n = user;
+    for (size_t b = span.begin; b < span.end; b++)
+        number_first(
+            n->e, n->nodes, b * CELLS_AT_A_TIME, end_of_block(n->e, b), n->first, n->begin[b]);
+}
+
+static void read_numbers(void *user, rsv_span span)
+{
+    const numbering *n = user;
+    for (size_t c = span.begin; c < span.end; c++)
+        for (int k = 0; k < 3; k++)
+            n->e->cell_node[c][k] = read(n->nodes, n->e->cell_node[c][k]);
+}
+
 /// Notes all nodes in the table, whose entries cell_node has until they are numbered.
 static rsv_status note_nodes(rsv_elements *e, rsv_node_table *nodes)
 {
     e->cell_node = rsv_reserve(e->context, e->cell_count, sizeof *e->cell_node);
     if (!e->cell_node) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t c = 0; c < e->cell_count; c++)
-        for (int k = 0; k < 3; k++)
-            e->cell_node[c][k] = rsv_node_table_note(nodes, e->cell[c].face,
-                rsv_lattice_corner(&e->cell[c], k), 4 * (uint32_t)c + (uint32_t)k);
+    rsv_parallel_for(
+        e->context, e->cell_count, 0, note_corners, &(numbering){ e, nodes, NULL, NULL });
     return RSV_OK;
 }
 
-static rsv_status number_nodes(rsv_elements *e, const rsv_node_table *nodes)
+static rsv_status number_nodes(rsv_elements *e, rsv_node_table *nodes)
 {
     rsv_status status = RSV_OK;
     size_t blocks = (e->cell_count + CELLS_AT_A_TIME - 1) / CELLS_AT_A_TIME;
     uint32_t *begin = rsv_alloc(e->context, blocks + 1, sizeof *begin);
     uint8_t *first = rsv_reserve(e->context, e->cell_count, 1);
     RSV_TRY(begin && first ? RSV_OK : RSV_ERROR_MEMORY);
-    int threads = rsv_threads(e->context);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t b = 0; b < blocks; b++)
-        begin[b + 1] = mark_first(e, nodes, b * CELLS_AT_A_TIME, end_of_block(e, b), first);
+    numbering n = { e, nodes, begin, first };
+    rsv_parallel_for(e->context, blocks, 0, mark_blocks, &n);
     for (size_t b = 0; b < blocks; b++)
         begin[b + 1] += begin[b];
     e->node_count = begin[blocks];
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t b = 0; b < blocks; b++)
-        number_first(e, nodes, b * CELLS_AT_A_TIME, end_of_block(e, b), first, begin[b]);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t c = 0; c < e->cell_count; c++)
-        for (int k = 0; k < 3; k++)
-            e->cell_node[c][k] = read(nodes, e->cell_node[c][k]);
+    rsv_parallel_for(e->context, blocks, 0, number_blocks, &n);
+    rsv_parallel_for(e->context, e->cell_count, 0, read_numbers, &n);
 cleanup:
     rsv_free(e->context, begin);
     rsv_free(e->context, first);
@@ -169,15 +202,19 @@ static rsv_status prepare_finder(hanging_finder *f)
     return RSV_OK;
 }
 
-static rsv_status search_cells(hanging_finder *f)
+static void search_blocks(void *user, rsv_span span)
 {
-    const rsv_elements *e = f->e;
-#pragma omp parallel for schedule(dynamic) num_threads(rsv_threads(e->context))
-    for (size_t b = 0; b < f->list_count; b++) {
+    hanging_finder *f = user;
+    for (size_t b = span.begin; b < span.end; b++) {
         found_list *list = &f->list[b];
-        for (size_t c = b * CELLS_AT_A_TIME; c < end_of_block(e, b) && !list->status; c++)
+        for (size_t c = b * CELLS_AT_A_TIME; c < end_of_block(f->e, b) && !list->status; c++)
             list->status = find_in_cell(f, list, (uint32_t)c);
     }
+}
+
+static rsv_status search_cells(hanging_finder *f)
+{
+    rsv_parallel_for(f->e->context, f->list_count, 1, search_blocks, f);
     for (size_t b = 0; b < f->list_count; b++)
         if (f->list[b].status) return f->list[b].status;
     return RSV_OK;

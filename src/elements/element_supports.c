@@ -1,4 +1,5 @@
 /// Collects the cells around each node.
+#include "../core/parallel.h"
 #include "elements_internal.h"
 
 #include <stdlib.h>
@@ -29,29 +30,48 @@ static void sort_support(uint32_t *support, size_t count)
     }
 }
 
+static void count_corners(void *user, rsv_span span)
+{
+    const rsv_elements *e = user;
+    for (size_t c = span.begin; c < span.end; c++)
+        for (int k = 0; k < 3; k++)
+            __atomic_fetch_add(&e->support_begin[e->cell_node[c][k] + 1], 1, __ATOMIC_RELAXED);
+}
+
 static void count_supports(rsv_elements *e)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t c = 0; c < e->cell_count; c++)
-        for (int k = 0; k < 3; k++) {
-#pragma omp atomic
-            e->support_begin[e->cell_node[c][k] + 1]++;
-        }
+    rsv_parallel_for(e->context, e->cell_count, 0, count_corners, e);
     for (size_t n = 0; n < e->node_count; n++)
         e->support_begin[n + 1] += e->support_begin[n];
 }
 
-/// Whoever comes first takes the next place. @param taken [node_count], zeros
-static void fill_supports(rsv_elements *e, uint32_t *taken)
+typedef struct support_list {
+    const rsv_elements *e;
+    _Atomic uint32_t *taken; ///< [node_count] places, zeros at first
+} support_list;
+
+/// Whoever comes first takes the next place.
+static void list_corners(void *user, rsv_span span)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t c = 0; c < e->cell_count; c++)
+    const support_list *list = user;
+    const rsv_elements *e = list->e;
+    for (size_t c = span.begin; c < span.end; c++)
         for (int k = 0; k < 3; k++) {
-            uint32_t node = e->cell_node[c][k], place;
-#pragma omp atomic capture
-            place = taken[node]++;
+            uint32_t node = e->cell_node[c][k];
+            uint32_t place = atomic_fetch_add_explicit(&list->taken[node], 1, memory_order_relaxed);
             e->support[e->support_begin[node] + place] = (uint32_t)(4 * c) + (uint32_t)k;
         }
+}
+
+static void sort_supports(void *user, rsv_span span)
+{
+    const rsv_elements *e = user;
+    for (size_t n = span.begin; n < span.end; n++) {
+        uint32_t begin = e->support_begin[n], end = e->support_begin[n + 1];
+        if (begin == end) continue;
+        sort_support(e->support + begin, end - begin);
+        e->node_face[n] = e->cell[e->support[begin] / 4].face;
+    }
 }
 
 /// Takes the area of hanging nodes to their parents.
@@ -66,15 +86,20 @@ static void hand_over_areas(rsv_elements *e)
     }
 }
 
-/// Areas of the hat functions, those of hanging nodes with their parents.
-static void find_node_areas(rsv_elements *e)
+static void add_cell_areas(void *user, rsv_span span)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
+    const rsv_elements *e = user;
+    for (size_t n = span.begin; n < span.end; n++) {
         e->node_area[n] = 0;
         for (uint32_t s = e->support_begin[n + 1]; s-- > e->support_begin[n];)
             e->node_area[n] += rsv_cell_area(e, e->support[s] / 4) / 3;
     }
+}
+
+/// Areas of the hat functions, those of hanging nodes with their parents.
+static void find_node_areas(rsv_elements *e)
+{
+    rsv_parallel_for(e->context, e->node_count, 0, add_cell_areas, e);
     hand_over_areas(e);
 }
 
@@ -89,26 +114,20 @@ rsv_status rsv_elements_create_supports(rsv_elements *e)
 {
     rsv_status status = rsv_elements_are_countable(e);
     if (status != RSV_OK) return status;
-    uint32_t *taken = rsv_alloc(e->context, e->node_count, sizeof *taken);
+    support_list list = { e, rsv_alloc(e->context, e->node_count, sizeof *list.taken) };
     e->node_face = rsv_alloc(e->context, e->node_count, sizeof *e->node_face);
     e->node_area = rsv_alloc(e->context, e->node_count, sizeof *e->node_area);
     e->support_begin = rsv_alloc(e->context, e->node_count + 1, sizeof *e->support_begin);
     e->support = rsv_reserve(e->context, 3 * e->cell_count, sizeof *e->support);
-    RSV_TRY(taken && e->node_face && e->node_area && e->support_begin && e->support
+    RSV_TRY(list.taken && e->node_face && e->node_area && e->support_begin && e->support
                 ? RSV_OK
                 : RSV_ERROR_MEMORY);
     count_supports(e);
-    fill_supports(e, taken);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        uint32_t begin = e->support_begin[n], end = e->support_begin[n + 1];
-        if (begin == end) continue;
-        sort_support(e->support + begin, end - begin);
-        e->node_face[n] = e->cell[e->support[begin] / 4].face;
-    }
+    rsv_parallel_for(e->context, e->cell_count, 0, list_corners, &list);
+    rsv_parallel_for(e->context, e->node_count, 0, sort_supports, e);
     find_node_areas(e);
 cleanup:
-    rsv_free(e->context, taken);
+    rsv_free(e->context, (void *)list.taken);
     return status;
 }
 

@@ -1,3 +1,4 @@
+#include "../core/parallel.h"
 #include "../core/references.h"
 #include "elements_internal.h"
 #include "voxels.h"
@@ -93,17 +94,30 @@ cleanup:
     return status;
 }
 
+typedef struct size_check {
+    const rsv_elements *e;
+    const rsv_spacing *spacing;
+    uint8_t *split; ///< [cell_count], out
+    atomic_size_t marked;
+} size_check;
+
+static void mark_cells(void *user, rsv_span span)
+{
+    size_check *check = user;
+    size_t marked = 0;
+    for (size_t c = span.begin; c < span.end; c++) {
+        check->split[c] = rsv_spacing_is_exceeded(check->spacing, check->e, (uint32_t)c);
+        marked += check->split[c];
+    }
+    atomic_fetch_add(&check->marked, marked);
+}
+
 /// Cells larger than usual that do not lie in the open.
 static size_t mark_too_large(const rsv_elements *e, const rsv_spacing *spacing, uint8_t *split)
 {
-    size_t marked = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : marked)
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        split[c] = rsv_spacing_is_exceeded(spacing, e, c);
-        marked += split[c];
-    }
-    return marked;
+    size_check check = { e, spacing, split, 0 };
+    rsv_parallel_for(e->context, e->cell_count, 256, mark_cells, &check);
+    return check.marked;
 }
 
 rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
@@ -249,7 +263,8 @@ rsv_status rsv_elements_copy(const rsv_elements *from, const rsv_scene_view *sce
     e->references = 1;
     e->scene = scene;
     e->bsdf = bsdf;
-    bool faces = copy_faces(e), nodes = copy_nodes(e); // both, so that nothing is left of the other's
+    bool faces = copy_faces(e),
+         nodes = copy_nodes(e); // both, so that nothing is left of the other's
     *copy = e;
     if (faces && nodes) return RSV_OK;
     rsv_elements_destroy(e);

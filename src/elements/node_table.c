@@ -1,4 +1,5 @@
 #include "node_table.h"
+#include "../core/parallel.h"
 
 #define LATTICE (1u << RSV_MAX_LEVEL) ///< side of the finest barycentric lattice
 
@@ -128,6 +129,13 @@ static size_t place_all(rsv_node_table *n, const uint32_t *face_cells, const uin
     return hashed;
 }
 
+static void clear_even(void *user, rsv_span span)
+{
+    const rsv_node_table *n = user;
+    for (size_t k = span.begin; k < span.end; k++)
+        atomic_init(&n->even[k], RSV_NONE);
+}
+
 rsv_status rsv_node_table_create(const rsv_elements *e, rsv_node_table *n)
 {
     rsv_status status;
@@ -146,9 +154,7 @@ rsv_status rsv_node_table_create(const rsv_elements *e, rsv_node_table *n)
     size_t hashed = place_all(n, face_cells, edge_cells);
     n->even = rsv_reserve(context, n->even_count, sizeof *n->even);
     RSV_TRY(n->even ? RSV_OK : RSV_ERROR_MEMORY);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < n->even_count; k++)
-        atomic_init(&n->even[k], RSV_NONE);
+    rsv_parallel_for(context, n->even_count, 0, clear_even, n);
     status = rsv_first_map_create(context, hashed, &n->uneven);
 cleanup:
     rsv_free(context, face_cells);

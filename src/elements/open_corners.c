@@ -1,5 +1,6 @@
 #include "open_corners.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "elements_constants.h"
 #include "known_cells.h"
@@ -121,34 +122,52 @@ uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *
     return e->cell_openness ? e->cell_openness[cell] : judge_cell(scene, shape, rays);
 }
 
+typedef struct cell_search {
+    const rsv_transport_scene *scene;
+    const rsv_elements *earlier; ///< NULL = none
+    rsv_elements *e;
+    rsv_team_place place;
+    _Atomic uint64_t rays;
+} cell_search;
+
+/// Openness from `earlier` or what else is known of the cell. False = it has to be judged.
+static bool recall_cell(const cell_search *s, uint32_t c)
+{
+    uint8_t *openness = &s->e->cell_openness[c];
+    const rsv_known_cells *known = s->scene->known_cells;
+    uint32_t same = RSV_NONE;
+    if (s->earlier && s->earlier->cell_openness)
+        same = rsv_elements_find_same_cell(s->earlier, &s->e->cell[c]);
+    if (same == RSV_NONE) return known && known->openness(known->user, s->e, c, openness);
+    *openness = s->earlier->cell_openness[same];
+    return true;
+}
+
+static void judge_cells(void *user, rsv_span span)
+{
+    cell_search *s = user;
+    uint64_t rays = 0;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t c = (uint32_t)k;
+        if (!rsv_team_owns(s->place, c, RSV_TEAM_BLOCK) || rsv_cancelled(s->e->context)) continue;
+        if (recall_cell(s, c)) continue;
+        rsv_cell_shape shape = rsv_cell_shape_of(s->e, c);
+        s->e->cell_openness[c] = judge_cell(s->scene, &shape, &rays);
+    }
+    atomic_fetch_add(&s->rays, rays);
+}
+
 rsv_status rsv_elements_find_open_corners(
     const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
     if (e->cell_openness) return RSV_OK;
     e->cell_openness = rsv_alloc(e->context, e->cell_count, sizeof *e->cell_openness);
     if (!e->cell_openness) return RSV_ERROR_MEMORY;
-    const rsv_known_cells *known_cells = scene->known_cells;
-    rsv_team_place place = rsv_team_place_of(e->context);
-    uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : traced)
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!rsv_team_owns(place, c, RSV_TEAM_BLOCK) || rsv_cancelled(e->context)) continue;
-        bool known = earlier && earlier->cell_openness;
-        uint32_t same = known ? rsv_elements_find_same_cell(earlier, &e->cell[c]) : RSV_NONE;
-        rsv_cell_shape shape;
-        if (same != RSV_NONE) {
-            e->cell_openness[c] = earlier->cell_openness[same];
-            continue;
-        }
-        if (known_cells && known_cells->openness(known_cells->user, e, c, &e->cell_openness[c]))
-            continue;
-        shape = rsv_cell_shape_of(e, c);
-        e->cell_openness[c] = judge_cell(scene, &shape, &traced);
-    }
+    cell_search search = { scene, earlier, e, rsv_team_place_of(e->context), 0 };
+    rsv_parallel_for(e->context, e->cell_count, 256, judge_cells, &search);
     rsv_team_merge(
         e->context, e->cell_openness, sizeof *e->cell_openness, e->cell_count, RSV_TEAM_BLOCK);
-    *rays += rsv_team_total(e->context, traced);
+    *rays += rsv_team_total(e->context, search.rays);
     return rsv_progress(e->context, "assemble", 0);
 }
 

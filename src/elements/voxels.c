@@ -1,5 +1,6 @@
 #include "voxels.h"
 
+#include "../core/parallel.h"
 #include "elements_constants.h"
 
 #include <string.h>
@@ -102,18 +103,32 @@ static uint32_t divide_cell(
     return count;
 }
 
+typedef struct division {
+    rsv_voxels *v;
+    const rsv_tracer *tracer;
+    uint16_t (*part)[RSV_VOXEL_POINTS]; ///< [cell_count]
+    _Atomic uint64_t rays;
+} division;
+
+static void divide_span(void *user, rsv_span span)
+{
+    division *d = user;
+    uint64_t rays = 0;
+    for (size_t cell = span.begin; cell < span.end; cell++)
+        d->v->begin[cell + 1] = divide_cell(d->v, d->tracer, cell, d->part[cell], &rays);
+    atomic_fetch_add(&d->rays, rays);
+}
+
 /// @param part [cell_count][RSV_VOXEL_POINTS]
 static void divide_cells(
     rsv_voxels *v, const rsv_tracer *tracer, uint16_t (*part)[RSV_VOXEL_POINTS], uint64_t *rays)
 {
-    uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(v->context)) reduction(+ : traced)
-    for (size_t cell = 0; cell < v->cell_count; cell++)
-        v->begin[cell + 1] = divide_cell(v, tracer, cell, part[cell], &traced);
+    division d = { v, tracer, part, 0 };
+    rsv_parallel_for(v->context, v->cell_count, 64, divide_span, &d);
     for (size_t cell = 0; cell < v->cell_count; cell++)
         v->begin[cell + 1] += v->begin[cell];
     v->count = v->begin[v->cell_count];
-    *rays += traced;
+    *rays += d.rays;
 }
 
 static rsv_status list_voxels(rsv_voxels *v, const uint16_t (*part)[RSV_VOXEL_POINTS])
@@ -169,6 +184,19 @@ static void sort_places(rsv_voxels *v, const uint32_t (*owner)[CUT_PLACES])
     v->place_begin[v->count] = (uint32_t)v->place_count;
 }
 
+typedef struct owner_search {
+    const rsv_voxels *v;
+    const rsv_tracer *tracer;
+    uint32_t (*owner)[CUT_PLACES]; ///< [cell_count]
+} owner_search;
+
+static void find_owners_of_cells(void *user, rsv_span span)
+{
+    const owner_search *s = user;
+    for (size_t cell = span.begin; cell < span.end; cell++)
+        if (is_cut(s->v, cell)) find_owners(s->v, s->tracer, cell, s->owner[cell]);
+}
+
 static rsv_status place_cut(rsv_voxels *v, const rsv_tracer *tracer)
 {
     size_t cut = 0;
@@ -180,9 +208,8 @@ static rsv_status place_cut(rsv_voxels *v, const rsv_tracer *tracer)
     v->place = rsv_alloc(v->context, v->place_count, sizeof *v->place);
     bool complete = owner && v->place_begin && v->place;
     if (complete) {
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(v->context))
-        for (size_t cell = 0; cell < v->cell_count; cell++)
-            if (is_cut(v, cell)) find_owners(v, tracer, cell, owner[cell]);
+        owner_search search = { v, tracer, owner };
+        rsv_parallel_for(v->context, v->cell_count, 16, find_owners_of_cells, &search);
         sort_places(v, (const uint32_t(*)[CUT_PLACES])owner);
     }
     rsv_free(v->context, owner);

@@ -1,5 +1,6 @@
 #include "mover.h"
 
+#include "../core/parallel.h"
 #include "../trace/passage.h"
 
 #include <string.h>
@@ -71,12 +72,17 @@ static rsv_rgb irradiance_at(const rsv_mover *m, size_t vertex)
     return sum;
 }
 
+static void light_span(void *job, rsv_span span)
+{
+    rsv_mover *m = job;
+    for (size_t v = span.begin; v < span.end; v++)
+        m->irradiance[v] = irradiance_at(m, v);
+}
+
 static void light_vertices(rsv_mover *m)
 {
     light_probes(m);
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(m->context))
-    for (size_t v = 0; v < m->body->vertex_count; v++)
-        m->irradiance[v] = irradiance_at(m, v);
+    rsv_parallel_for(m->context, m->body->vertex_count, 16, light_span, m);
 }
 
 void rsv_mover_refresh(rsv_mover *m)

@@ -1,5 +1,6 @@
 #include "texture.h"
 
+#include "../core/parallel.h"
 #include "../core/srgb.h"
 #include "texture_body.h"
 
@@ -120,15 +121,24 @@ static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j
     }
 }
 
+typedef struct reduction {
+    rsv_texture *texture;
+    uint32_t level; ///< made of the one before it
+} reduction;
+
+static void reduce_rows(void *job, rsv_span span)
+{
+    const reduction *r = job;
+    for (size_t j = span.begin; j < span.end; j++)
+        for (uint32_t i = 0; i < r->texture->level[r->level].width; i++)
+            reduce_texel(r->texture, r->level, i, (uint32_t)j);
+}
+
 static void reduce(rsv_context *context, rsv_texture *t)
 {
-    (void)context;
-    for (uint32_t level = 1; level < t->level_count; level++) {
-        int64_t height = t->level[level].height;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(context)) if (height >= 256)
-        for (int64_t j = 0; j < height; j++)
-            for (uint32_t i = 0; i < t->level[level].width; i++)
-                reduce_texel(t, level, i, (uint32_t)j);
+    for (reduction r = { t, 1 }; r.level < t->level_count; r.level++) {
+        uint32_t height = t->level[r.level].height;
+        rsv_parallel_for(context, height, height >= 256 ? 0 : 256, reduce_rows, &r);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "../core/key.h"
 #include "../core/morton.h"
+#include "../core/parallel.h"
 
 #include <stdlib.h>
 
@@ -72,14 +73,28 @@ static bool has_later_copy(
     return false;
 }
 
+typedef struct place_job {
+    const rsv_scene_view *scene;
+    const uint32_t *face; ///< [count]
+    curve_place *place;   ///< [count] out
+} place_job;
+
+static void find_places(void *data, rsv_span span)
+{
+    const place_job *job = data;
+    const rsv_scene_view *scene = job->scene;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t face = job->face[k];
+        job->place[k] = (curve_place){ place_of(scene, face), hash_of(scene, face), face };
+    }
+}
+
 static rsv_status sort_faces(const rsv_scene_view *scene, const uint32_t *face, uint32_t count,
     uint8_t *flags, rsv_twin_tree *tree)
 {
     curve_place *place = rsv_reserve(tree->context, count, sizeof *place);
     if (!place) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(tree->context))
-    for (uint32_t k = 0; k < count; k++)
-        place[k] = (curve_place){ place_of(scene, face[k]), hash_of(scene, face[k]), face[k] };
+    rsv_parallel_for(tree->context, count, 0, find_places, &(place_job){ scene, face, place });
     qsort(place, count, sizeof *place, compare_places);
     tree->face_count = 0;
     for (uint32_t k = 0; k < count; k++)

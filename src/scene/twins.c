@@ -1,6 +1,7 @@
 /// Finds faces that lie in the same place.
 #include "twins.h"
 
+#include "../core/parallel.h"
 #include "enclosed_lamps.h"
 #include "scene.h"
 #include "twin_body.h"
@@ -45,8 +46,8 @@ typedef struct finder {
 
 static void flag(const finder *f, uint32_t triangle, uint8_t flags)
 {
-#pragma omp atomic
-    f->flags[triangle] |= flags;
+    _Atomic uint8_t *known = (_Atomic uint8_t *)&f->flags[triangle];
+    atomic_fetch_or_explicit(known, flags, memory_order_relaxed);
 }
 
 /// What a leaf has found.
@@ -184,25 +185,35 @@ static leaf_search search_before(const finder *f, uint32_t own)
     return s;
 }
 
-/// @param gave_up out: [tree.node_count] whether a leaf has not looked at all around it
+/// The search of all leaves.
+typedef struct search_job {
+    const finder *finder;
+    leaf_search (*search)(const finder *f, uint32_t leaf);
+    uint8_t *gave_up; ///< [tree.node_count] out: whether a leaf has not looked at all around it
+    atomic_bool apart, some; ///< out: twins that lie apart, leaves that gave up
+} search_job;
+
+static void search_leaves(void *data, rsv_span span)
+{
+    search_job *job = data;
+    const rsv_twin_tree *tree = &job->finder->tree;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        if (tree->node[n].next != n + 1) continue;
+        leaf_search s = job->search(job->finder, n);
+        if (s.apart) job->apart = true;
+        if (!has_enough(&s)) continue;
+        take_all_flags(job->finder, n);
+        job->gave_up[n] = 1;
+        job->some = true;
+    }
+}
+
 static bool search_all(finder *f, leaf_search (*search)(const finder *, uint32_t), uint8_t *gave_up)
 {
-    const rsv_twin_tree *tree = &f->tree;
-    bool apart = false, some = false;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))        \
-    reduction(||                                                                                   \
-              : apart, some)
-    for (uint32_t n = 0; n < tree->node_count; n++) {
-        if (tree->node[n].next != n + 1) continue;
-        leaf_search s = search(f, n);
-        apart = apart || s.apart;
-        if (!has_enough(&s)) continue;
-        take_all_flags(f, n);
-        gave_up[n] = 1;
-        some = true;
-    }
-    f->apart = f->apart || apart;
-    return some;
+    search_job job = { f, search, gave_up, false, false };
+    rsv_parallel_for(f->scene->context, f->tree.node_count, 256, search_leaves, &job);
+    f->apart = f->apart || job.apart;
+    return job.some;
 }
 
 static rsv_status find_pairs(finder *f)
@@ -227,6 +238,13 @@ static face_box box_of(const finder *f, uint32_t triangle)
     box.rounding = rsv_twin_rounding(&plane, f->rounding);
     box.reach = rsv_twin_reach(&plane, box.rounding, f->reach);
     return box;
+}
+
+static void find_boxes(void *job, rsv_span span)
+{
+    finder *f = job;
+    for (size_t k = span.begin; k < span.end; k++)
+        f->box[k] = box_of(f, f->tree.face[k]);
 }
 
 /// No triangle reaches farther than the one that reaches farthest.
@@ -278,9 +296,7 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     if (!f->box) RSV_TRY(RSV_ERROR_MEMORY);
     f->gave_up = rsv_alloc(scene->context, f->tree.node_count, 1);
     if (!f->gave_up) RSV_TRY(RSV_ERROR_MEMORY);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
-    for (uint32_t k = 0; k < f->tree.face_count; k++)
-        f->box[k] = box_of(f, f->tree.face[k]);
+    rsv_parallel_for(scene->context, f->tree.face_count, 0, find_boxes, f);
     narrow(f);
 cleanup:
     return status;
@@ -374,22 +390,25 @@ static void note_parts(
         owner->flags[triangle] |= RSV_TWIN_PARTLY;
 }
 
-/// Marks the faces that others hide. @return the first in whose place others are shown by a guess; RSV_NONE = none
-static uint32_t find_hidden(
-    const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
+typedef struct hidden_job {
+    const rsv_scene_view *view;
+    rsv_twins_owner *owner;
+    uint8_t
+        *guessed; ///< [tree.face_count] out: whether another is shown in a face's place by a guess
+} hidden_job;
+
+static void look_at_faces(void *data, rsv_span span)
 {
-    const rsv_twin_tree *tree = &owner->tree;
-    uint32_t guessed = RSV_NONE;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
-    reduction(min                                                                                  \
-              : guessed)
-    for (uint32_t k = 0; k < tree->face_count; k++) {
-        uint32_t t = tree->face[k];
+    const hidden_job *job = data;
+    const rsv_scene_view *view = job->view;
+    rsv_twins_owner *owner = job->owner;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t t = owner->tree.face[k];
         bool two = view->material[view->triangle_material[t]].double_sided;
         if (owner->flags[t] & RSV_TWIN_OVER_FRONT) {
             showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
-            if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
+            job->guessed[k] = is_guess(view, owner->flags, t, seen.other);
             note_parts(owner, view, t, seen);
         }
         if (two) {
@@ -398,7 +417,20 @@ static uint32_t find_hidden(
             note_parts(owner, view, t, seen);
         }
     }
-    return guessed;
+}
+
+/// Marks the faces that others hide. @param guessed out: first in whose place others are shown by a guess; RSV_NONE = none
+static rsv_status find_hidden(rsv_scene *scene, rsv_twins_owner *owner, uint32_t *guessed)
+{
+    const rsv_twin_tree *tree = &owner->tree;
+    hidden_job job = { &scene->view, owner, rsv_alloc(scene->context, tree->face_count, 1) };
+    if (!job.guessed) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(scene->context, tree->face_count, 64, look_at_faces, &job);
+    *guessed = RSV_NONE;
+    for (uint32_t k = 0; k < tree->face_count; k++)
+        if (job.guessed[k] && tree->face[k] < *guessed) *guessed = tree->face[k];
+    rsv_free(scene->context, job.guessed);
+    return RSV_OK;
 }
 
 static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
@@ -424,12 +456,12 @@ static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
 }
 
 /// Marks faces of bodies that look into them, where opposite ones lie in the same place.
-static void find_inside_out(const finder *f)
+static void find_inside_out(void *job, rsv_span span)
 {
+    const finder *f = job;
     const rsv_scene_view *view = f->view;
     float gap = 4 * (f->reach + f->rounding);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(f->scene->context))
-    for (uint32_t k = 0; k < f->tree.face_count; k++) {
+    for (size_t k = span.begin; k < span.end; k++) {
         uint32_t t = f->tree.face[k];
         if ((f->flags[t] & RSV_TWIN_OPPOSITE) && rsv_twin_is_body(view, view->triangle_material[t]))
             if (rsv_twin_is_inside_out(view, &f->tree, gap, t)) f->flags[t] |= RSV_TWIN_INSIDE_OUT;
@@ -464,6 +496,7 @@ cleanup:
 static rsv_status keep(rsv_scene *scene, const finder *f)
 {
     rsv_status status = RSV_ERROR_MEMORY;
+    uint32_t guessed;
     rsv_context *context = scene->context;
     rsv_twins_owner *owner = scene->twins = rsv_alloc(context, 1, sizeof *owner);
     if (!owner) return RSV_ERROR_MEMORY;
@@ -474,7 +507,8 @@ static rsv_status keep(rsv_scene *scene, const finder *f)
         .rounding = f->rounding,
         .extent = f->apart ? RSV_TWIN_CLEAR * 0x1p20f : 0 };
     RSV_TRY(rsv_twins_plant(scene));
-    warn_of_guess(scene, find_hidden(&scene->view, owner, context));
+    RSV_TRY(find_hidden(scene, owner, &guessed));
+    warn_of_guess(scene, guessed);
 cleanup:
     return status;
 }
@@ -488,7 +522,7 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     RSV_TRY(find_pairs(&f));
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
-    find_inside_out(&f);
+    rsv_parallel_for(scene->context, f.tree.face_count, 64, find_inside_out, &f);
     if (count) RSV_TRY(keep(scene, &f));
     if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
 cleanup:
