@@ -3,9 +3,9 @@
 #include "key.h"
 #include "parallel.h"
 
-static void empty_slots(void *job, rsv_span span)
+static void clear_slots(void *user, rsv_span span)
 {
-    rsv_first_map *map = job;
+    const rsv_first_map *map = user;
     for (size_t k = span.begin; k < span.end; k++) {
         atomic_init(&map->slot[k].key, 0);
         atomic_init(&map->slot[k].first, UINT32_MAX);
@@ -19,7 +19,7 @@ rsv_status rsv_first_map_create(rsv_context *context, size_t most, rsv_first_map
         map->capacity *= 2;
     map->slot = rsv_reserve(context, map->capacity, sizeof *map->slot);
     if (!map->slot) return RSV_ERROR_MEMORY;
-    rsv_parallel_for(context, map->capacity, 0, empty_slots, map);
+    rsv_parallel_for(context, map->capacity, 0, clear_slots, map);
     return RSV_OK;
 }
 
