@@ -11,20 +11,19 @@
 enum { picture_size = 512, tile_size = 4, ray_count = picture_size * picture_size };
 enum { packet_count = ray_count / RSV_PACKET_WIDTH };
 
-/// Each figure takes the fastest of several passes, for at least measuring_time in all. A pass repeats the rays until it is so
-/// long that starting its threads does not count.
-static const double measuring_time = 0.6, pass_time = 0.05;
+/// Each figure repeats its rays for at least this long and takes the fastest pass.
+static const double measuring_time = 0.6;
 
 /// One set of rays in both layouts, and what a pass over it does.
 typedef struct workload {
     const rsv_tracer *tracer;
     rsv_ray *rays;           ///< [ray_count]
-    rsv_ray_packet *packets; ///< [packet_count], the same rays; copies of them are traced
+    rsv_ray_packet *packets; ///< [packet_count], the same rays
     uint32_t threads;
     bool coherent;
 } workload;
 
-/// Traces a span of the rays or packets, which begin again after the last.
+/// Traces a span of the rays or packets.
 typedef void (*pass)(void *job, size_t begin, size_t end);
 
 static rsv_vec3 mad(rsv_vec3 a, float s, rsv_vec3 b)
@@ -127,8 +126,14 @@ static void fill_packets(const rsv_ray *rays, rsv_ray_packet *packets)
         packet->direction_x[lane] = rays[i].direction.x;
         packet->direction_y[lane] = rays[i].direction.y;
         packet->direction_z[lane] = rays[i].direction.z;
-        packet->t_max[lane] = rays[i].t_max;
     }
+}
+
+/// Queries write to t_max, so every pass sets it anew.
+static void set_lengths(rsv_ray_packet *packet, const rsv_ray *rays)
+{
+    for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++)
+        packet->t_max[lane] = rays[lane].t_max;
 }
 
 static void closest_single(void *job, size_t begin, size_t end)
@@ -136,7 +141,7 @@ static void closest_single(void *job, size_t begin, size_t end)
     const workload *work = job;
     for (size_t i = begin; i < end; i++) {
         rsv_hit hit;
-        rsv_tracer_closest(work->tracer, &work->rays[i % ray_count], &hit);
+        rsv_tracer_closest(work->tracer, &work->rays[i], &hit);
     }
 }
 
@@ -144,8 +149,8 @@ static void closest_packet(void *job, size_t begin, size_t end)
 {
     const workload *work = job;
     for (size_t i = begin; i < end; i++) {
-        rsv_ray_packet packet = work->packets[i % packet_count];
-        rsv_tracer_closest_packet(work->tracer, &packet, work->coherent);
+        set_lengths(&work->packets[i], &work->rays[i * RSV_PACKET_WIDTH]);
+        rsv_tracer_closest_packet(work->tracer, &work->packets[i], work->coherent);
     }
 }
 
@@ -153,33 +158,26 @@ static void occluded_single(void *job, size_t begin, size_t end)
 {
     const workload *work = job;
     for (size_t i = begin; i < end; i++)
-        rsv_tracer_occluded(work->tracer, &work->rays[i % ray_count]);
+        rsv_tracer_occluded(work->tracer, &work->rays[i]);
 }
 
 static void occluded_packet(void *job, size_t begin, size_t end)
 {
     const workload *work = job;
     for (size_t i = begin; i < end; i++) {
-        rsv_ray_packet packet = work->packets[i % packet_count];
-        rsv_tracer_occluded_packet(work->tracer, &packet, work->coherent);
+        set_lengths(&work->packets[i], &work->rays[i * RSV_PACKET_WIDTH]);
+        rsv_tracer_occluded_packet(work->tracer, &work->packets[i], work->coherent);
     }
 }
 
-/// Seconds that it takes to trace all rays so many times.
-static double time_pass(pass trace, size_t count, size_t times, workload *work)
-{
-    double started = cli_seconds();
-    cli_parallel_for(work->threads, times * count, 1024 * count / ray_count, trace, work);
-    return cli_seconds() - started;
-}
-
-/// @param count of rays or packets
 static double rays_per_second(pass trace, size_t count, workload *work)
 {
     double started = cli_seconds(), fastest = INFINITY;
-    size_t times = 1 + (size_t)(pass_time / time_pass(trace, count, 1, work));
-    while (cli_seconds() - started < measuring_time && !cli_interrupted())
-        fastest = fmin(fastest, time_pass(trace, count, times, work) / (double)times);
+    while (cli_seconds() - started < measuring_time && !cli_interrupted()) {
+        double pass_started = cli_seconds();
+        cli_parallel_for(work->threads, count, 1024 * count / ray_count, trace, work);
+        fastest = fmin(fastest, cli_seconds() - pass_started);
+    }
     return ray_count / fastest;
 }
 
