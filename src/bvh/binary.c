@@ -1,7 +1,9 @@
+#include "../core/parallel.h"
 #include "bvh_internal.h"
 
 #define BINS 16
-#define TASK_SIZE 8192 ///< triangles that are worth a task of their own
+#define WHOLE_SIZE 8192 ///< triangles whose subtree one thread builds
+#define SUBTREES 256    ///< at most so many are built at a time
 
 static const rsv_box empty_box = { { INFINITY, INFINITY, INFINITY },
     { -INFINITY, -INFINITY, -INFINITY } };
@@ -100,29 +102,88 @@ static uint32_t depth_of_halves(uint32_t count)
     return depth;
 }
 
-static void build_node(
-    rsv_boxed_triangle *part, uint32_t first, uint32_t count, uint32_t depth, rsv_binary_node *node)
+/// Triangles and the node above them.
+typedef struct subtree {
+    uint32_t first, count, depth;
+    rsv_binary_node *node;
+} subtree;
+
+/// Sets the node, and brings the triangles of its left child to the front. @return how many; 0 = it is a leaf
+static uint32_t split_node(rsv_boxed_triangle *part, const subtree *t)
 {
     rsv_box box = empty_box;
-    for (uint32_t k = 0; k < count; k++)
-        box = rsv_box_join(box, part[first + k].box);
-    *node = (rsv_binary_node){ box, first, count };
-    if (count == 1) return;
-    uint32_t left = count / 2;
-    if (depth + depth_of_halves(count) < RSV_BVH_DEPTH) {
-        split at = find_split(part + first, count);
-        if (at.bin) left = divide(part + first, count, &at);
+    for (uint32_t k = 0; k < t->count; k++)
+        box = rsv_box_join(box, part[t->first + k].box);
+    *t->node = (rsv_binary_node){ box, t->first, t->count };
+    if (t->count > 1 && t->depth + depth_of_halves(t->count) < RSV_BVH_DEPTH) {
+        split at = find_split(part + t->first, t->count);
+        if (at.bin) return divide(part + t->first, t->count, &at);
     }
-#pragma omp task if (count > TASK_SIZE)
-    build_node(part, first, left, depth + 1, node + 1);
-    build_node(part, first + left, count - left, depth + 1, node + 2 * (size_t)left);
+    return t->count / 2;
 }
 
+static subtree left_of(const subtree *t, uint32_t left)
+{
+    return (subtree){ t->first, left, t->depth + 1, t->node + 1 };
+}
+
+static subtree right_of(const subtree *t, uint32_t left)
+{
+    return (subtree){ t->first + left, t->count - left, t->depth + 1, t->node + 2 * (size_t)left };
+}
+
+static void build_subtree(rsv_boxed_triangle *part, subtree t)
+{
+    uint32_t left = split_node(part, &t);
+    if (left == 0) return;
+    build_subtree(part, left_of(&t, left));
+    build_subtree(part, right_of(&t, left));
+}
+
+/// Subtrees yet to be built.
+typedef struct build_job {
+    rsv_boxed_triangle *part;
+    uint32_t count;
+    subtree tree[SUBTREES];
+    uint32_t left[SUBTREES]; ///< triangles of the left child; 0 = not split
+} build_job;
+
+static void split_large(void *data, rsv_span span)
+{
+    build_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++)
+        job->left[k] = job->tree[k].count > WHOLE_SIZE ? split_node(job->part, &job->tree[k]) : 0;
+}
+
+/// Puts the children of those that were split in their place. @return whether any was
+static bool put_children(build_job *job)
+{
+    uint32_t count = job->count;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t left = job->left[k];
+        if (left == 0) continue;
+        job->tree[job->count++] = right_of(&job->tree[k], left);
+        job->tree[k] = left_of(&job->tree[k], left);
+    }
+    return job->count > count;
+}
+
+static void build_subtrees(void *data, rsv_span span)
+{
+    const build_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++)
+        build_subtree(job->part, job->tree[k]);
+}
+
+/// Splits the upper nodes level by level until there are enough subtrees for all threads.
 void rsv_binary_build(
     rsv_context *context, rsv_boxed_triangle *part, uint32_t count, rsv_binary_node *node)
 {
-    (void)context; // its only use is in the pragma
-#pragma omp parallel num_threads(rsv_threads(context))
-#pragma omp single
-    build_node(part, 0, count, 0, node);
+    build_job job = { .part = part, .count = 1, .tree = { { 0, count, 0, node } } };
+    bool any = true;
+    while (any && 2 * job.count <= SUBTREES) {
+        rsv_parallel_for(context, job.count, 1, split_large, &job);
+        any = put_children(&job);
+    }
+    rsv_parallel_for(context, job.count, 1, build_subtrees, &job);
 }

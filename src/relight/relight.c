@@ -1,4 +1,5 @@
 /// Relighting: solving again for another E0, from where the last solve stopped.
+#include "../core/parallel.h"
 #include "../scene/punctual.h"
 #include "../solve/sharpen.h"
 #include "relight_responses.h"
@@ -17,39 +18,59 @@ static double largest(const rsv_rgb *field, size_t count)
     return (double)most;
 }
 
+static void add_source(void *data, rsv_span span)
+{
+    const rsv_relighter *r = data;
+    const rsv_rgb *source = r->s->source;
+    for (size_t n = span.begin; n < span.end; n++)
+        r->next[n] = rgb_add(source[n], r->next[n]);
+}
+
+/// A step of the iteration, and its largest change of any channel.
+typedef struct step_job {
+    const rsv_relighter *relighter;
+    _Atomic double change;
+} step_job;
+
+static void take_next(void *data, rsv_span span)
+{
+    step_job *job = data;
+    const rsv_rgb *next = job->relighter->next;
+    rsv_rgb *irradiance = job->relighter->field->irradiance;
+    float change = 0;
+    for (size_t n = span.begin; n < span.end; n++) {
+        rsv_rgb step = rgb_sub(next[n], irradiance[n]);
+        change = f_max(change, f_max(fabsf(step.r), f_max(fabsf(step.g), fabsf(step.b))));
+        irradiance[n] = next[n];
+    }
+    rsv_atomic_max(&job->change, (double)change);
+}
+
 /// E = E0 + G K E once, from the E of the last time.
 static void apply_once(rsv_relighter *r, double size)
 {
-    const rsv_light_view *s = r->s;
-    rsv_rgb *irradiance = r->field->irradiance;
     const rsv_linear_map *map = &r->map->linear;
     size_t nodes = rsv_relighter_nodes(r);
-    float change = 0;
-    map->table->apply(map->data, 3, &irradiance->r, &r->next->r);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t n = 0; n < nodes; n++)
-        r->next[n] = rgb_add(s->source[n], r->next[n]);
-    rsv_elements_constrain(s->elements, r->next);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context)) reduction(max       \
-                                                                                         : change)
-    for (size_t n = 0; n < nodes; n++) {
-        rsv_rgb step = rgb_sub(r->next[n], irradiance[n]);
-        change = f_max(change, f_max(fabsf(step.r), f_max(fabsf(step.g), fabsf(step.b))));
-        irradiance[n] = r->next[n];
-    }
-    r->residual = size > 0 ? (double)change / size : 0;
+    step_job step = { .relighter = r };
+    map->table->apply(map->data, 3, &r->field->irradiance->r, &r->next->r);
+    rsv_parallel_for(r->context, nodes, 0, add_source, r);
+    rsv_elements_constrain(r->s->elements, r->next);
+    rsv_parallel_for(r->context, nodes, 0, take_next, &step);
+    r->residual = size > 0 ? step.change / size : 0;
+}
+
+static void take_indirect(void *data, rsv_span span)
+{
+    const rsv_light_fields *f = data;
+    for (size_t n = span.begin; n < span.end; n++)
+        f->indirect[n] = rgb_positive(rgb_sub(f->irradiance[n], f->source[n]));
 }
 
 /// What cameras look up: all but E0, sharpened.
 static void show(rsv_relighter *r)
 {
-    const rsv_light_fields *f = r->field;
-    size_t nodes = rsv_relighter_nodes(r);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t n = 0; n < nodes; n++) {
-        rsv_rgb rest = rgb_sub(f->irradiance[n], f->source[n]);
-        f->indirect[n] = rgb_positive(rest);
-    }
+    rsv_light_fields *f = r->field;
+    rsv_parallel_for(r->context, rsv_relighter_nodes(r), 0, take_indirect, f);
     rsv_sharpen(r->s->elements, f->indirect, r->next, r->scratch);
 }
 

@@ -1,5 +1,6 @@
 #include "relight_responses.h"
 
+#include "../core/parallel.h"
 #include "../solve/sharpen.h"
 #include "solve_fields.h"
 
@@ -166,13 +167,18 @@ void rsv_relight_responses_forget(rsv_relighter *r)
     r->responses = NULL;
 }
 
-void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_relighter *r)
+typedef struct combine_job {
+    const rsv_relight_responses *responses;
+    const rsv_relighter *relighter;
+} combine_job;
+
+static void weigh_responses(void *data, rsv_span span)
 {
-    rsv_rgb *scale = r->factor;
-    for (size_t k = 0; k < r->basis->source_count; k++)
-        scale[own->of_source[k]] = r->now.scale[k];
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+    const combine_job *job = data;
+    const rsv_relight_responses *own = job->responses;
+    const rsv_relighter *r = job->relighter;
+    const rsv_rgb *scale = r->factor;
+    for (size_t n = span.begin; n < span.end; n++) {
         const rsv_rgb *irradiance = own->irradiance + n * own->count;
         const rsv_rgb *shown = own->shown + n * own->count;
         rsv_rgb whole = rgb_gray(0), rest = rgb_gray(0);
@@ -183,4 +189,12 @@ void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_r
         r->field->irradiance[n] = whole;
         r->field->indirect[n] = rest;
     }
+}
+
+void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_relighter *r)
+{
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        r->factor[own->of_source[k]] = r->now.scale[k];
+    combine_job job = { own, r };
+    rsv_parallel_for(r->context, rsv_relighter_nodes(r), 0, weigh_responses, &job);
 }

@@ -1,4 +1,5 @@
 /// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
+#include "../core/parallel.h"
 #include "../scene/variant.h"
 #include "relight_responses.h"
 
@@ -199,22 +200,34 @@ cleanup:
     return status;
 }
 
+typedef struct combine_job {
+    const rsv_relighter *relighter;
+    rsv_rgb *sum;
+} combine_job;
+
+static void weigh_parts(void *data, rsv_span span)
+{
+    const combine_job *job = data;
+    const rsv_relighter *r = job->relighter;
+    size_t count = r->basis->source_count;
+    const rsv_rgb *scale = r->now.scale, *const *part = r->summed;
+    for (size_t n = span.begin; n < span.end; n++) {
+        rsv_rgb total = rgb_gray(0);
+        for (size_t k = 0; k < count; k++)
+            total = rgb_add(total, rgb_mul(scale[k], part[k][n]));
+        job->sum[n] = total;
+    }
+}
+
 /// A field of the new E0: the parts times their factors.
 static void combine(const rsv_relighter *r, size_t field)
 {
     const rsv_light_basis *b = r->basis;
     size_t length = rsv_light_field_length(r->light, field);
-    rsv_rgb *sum = rsv_light_field(r->light, field);
-    const rsv_rgb **part = r->summed;
+    combine_job job = { r, rsv_light_field(r->light, field) };
     for (size_t k = 0; k < b->source_count; k++)
-        part[k] = *rsv_light_part_field(&b->part[k], field);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t n = 0; n < length; n++) {
-        rsv_rgb total = rgb_gray(0);
-        for (size_t k = 0; k < b->source_count; k++)
-            total = rgb_add(total, rgb_mul(r->now.scale[k], part[k][n]));
-        sum[n] = total;
-    }
+        r->summed[k] = *rsv_light_part_field(&b->part[k], field);
+    rsv_parallel_for(r->context, length, 0, weigh_parts, &job);
 }
 
 rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_kind kind)

@@ -1,6 +1,7 @@
 /// Irradiance of every normal from the sky, once and for all.
 #include "../core/core.h"
 #include "../core/octahedral.h"
+#include "../core/parallel.h"
 #include "sky.h"
 
 #define NODES RSV_SKY_IRRADIANCE_NODES
@@ -40,6 +41,24 @@ static float sum_channel(const float vector[3][PATCHES], rsv_vec3 n)
     return sum;
 }
 
+typedef struct node_job {
+    const patch_fluxes *flux;
+    rsv_rgb *node;
+} node_job;
+
+static void sum_nodes(void *data, rsv_span span)
+{
+    const node_job *job = data;
+    const patch_fluxes *flux = job->flux;
+    for (size_t n = span.begin; n < span.end; n++) {
+        float x = (float)(n % NODES) / RSV_SKY_IRRADIANCE_SIDE;
+        float y = (float)(n / NODES) / RSV_SKY_IRRADIANCE_SIDE;
+        rsv_vec3 normal = rsv_octahedral_to_direction(x, y);
+        job->node[n] = rgb(sum_channel(flux->vector[0], normal),
+            sum_channel(flux->vector[1], normal), sum_channel(flux->vector[2], normal));
+    }
+}
+
 rsv_status rsv_sky_irradiance_create(
     rsv_context *context, const rsv_sky *sky, rsv_sky_irradiance *irradiance)
 {
@@ -52,14 +71,8 @@ rsv_status rsv_sky_irradiance_create(
         return RSV_ERROR_MEMORY;
     }
     rsv_sky_visit(sky, add_patch, flux);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (size_t n = 0; n < NODES * NODES; n++) {
-        float x = (float)(n % NODES) / RSV_SKY_IRRADIANCE_SIDE;
-        float y = (float)(n / NODES) / RSV_SKY_IRRADIANCE_SIDE;
-        rsv_vec3 normal = rsv_octahedral_to_direction(x, y);
-        irradiance->node[n] = rgb(sum_channel(flux->vector[0], normal),
-            sum_channel(flux->vector[1], normal), sum_channel(flux->vector[2], normal));
-    }
+    node_job job = { flux, irradiance->node };
+    rsv_parallel_for(context, NODES * NODES, 64, sum_nodes, &job);
     rsv_free(context, flux);
     return RSV_OK;
 }

@@ -1,5 +1,6 @@
 #include "divided_elements.h"
 
+#include "../core/parallel.h"
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
 #include "../elements/open_corners.h"
@@ -40,19 +41,34 @@ static bool was_left_whole(const rsv_elements_before *b, const rsv_elements *e, 
     return rsv_cell_wants_contact_split(b->first, then, b->contact_size);
 }
 
+typedef struct split_job {
+    const rsv_elements_before *before;
+    const rsv_elements *elements;
+    uint8_t *split;
+    atomic_uint_least64_t count;
+} split_job;
+
+static void mark_contacts(void *data, rsv_span span)
+{
+    split_job *job = data;
+    const rsv_elements_before *b = job->before;
+    const rsv_elements *e = job->elements;
+    size_t count = 0;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++) {
+        if (!rsv_cell_wants_contact_split(e, c, b->contact_size)) continue;
+        job->split[c] = !was_left_whole(b, e, c);
+        count += job->split[c];
+    }
+    atomic_fetch_add(&job->count, count);
+}
+
 /// Marks cells to be split, if there is room for them. @return how many
 static size_t mark_cells(const divider *v, const rsv_elements *e, uint8_t *split)
 {
-    const rsv_elements_before *b = v->before;
-    size_t count = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : count)
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!rsv_cell_wants_contact_split(e, c, b->contact_size)) continue;
-        split[c] = !was_left_whole(b, e, c);
-        count += split[c];
-    }
-    return e->node_count + RSV_NODES_PER_SPLIT * count <= b->most_nodes ? count : 0;
+    split_job job = { .before = v->before, .elements = e, .split = split };
+    rsv_parallel_for(e->context, e->cell_count, 256, mark_contacts, &job);
+    size_t count = job.count;
+    return e->node_count + RSV_NODES_PER_SPLIT * count <= v->before->most_nodes ? count : 0;
 }
 
 /// Splits cells until none asks for it. Those that were there before were judged when things moved.
@@ -104,16 +120,18 @@ static bool is_free(const rsv_elements *e, uint32_t node)
     return e->node_hanging[node] == RSV_NONE && has_support(e, node);
 }
 
-/// Nodes that receive what they did, and the numbers by which points are drawn.
-static rsv_status find_nodes(const divider *v, uint8_t *known)
+typedef struct node_job {
+    const divider *divider;
+    uint8_t *known;
+} node_job;
+
+static void match_nodes(void *data, rsv_span span)
 {
-    const rsv_elements_before *b = v->before;
-    rsv_divided_elements *d = v->d;
-    rsv_elements *e = d->elements;
-    e->node_draw = rsv_alloc(e->context, e->node_count, sizeof *e->node_draw);
-    if (!e->node_draw) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
+    const node_job *job = data;
+    const rsv_elements_before *b = job->divider->before;
+    rsv_divided_elements *d = job->divider->d;
+    const rsv_elements *e = d->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
         uint32_t first = has_support(e, n) ? rsv_elements_find_twin(e, n, b->first) : RSV_NONE;
         e->node_draw[n] = first != RSV_NONE   ? rsv_elements_draw_of(b->first, first)
                           : has_support(e, n) ? draw_at(e, n)
@@ -123,8 +141,18 @@ static rsv_status find_nodes(const divider *v, uint8_t *known)
                     rsv_elements_draw_of(b->elements, twin) == e->node_draw[n];
         d->node_before[n] = same ? twin : RSV_NONE;
         d->valid_points[n] = same ? b->valid_points[twin] : 0;
-        known[n] = same;
+        job->known[n] = same;
     }
+}
+
+/// Nodes that receive what they did, and the numbers by which points are drawn.
+static rsv_status find_nodes(const divider *v, uint8_t *known)
+{
+    rsv_elements *e = v->d->elements;
+    e->node_draw = rsv_alloc(e->context, e->node_count, sizeof *e->node_draw);
+    if (!e->node_draw) return RSV_ERROR_MEMORY;
+    node_job job = { v, known };
+    rsv_parallel_for(e->context, e->node_count, 256, match_nodes, &job);
     return RSV_OK;
 }
 

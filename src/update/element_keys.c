@@ -1,6 +1,7 @@
 #include "element_keys.h"
 
 #include "../core/key.h"
+#include "../core/parallel.h"
 
 uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle)
 {
@@ -29,16 +30,28 @@ uint64_t rsv_cell_key_on(uint64_t face_key, const rsv_cell *c)
     return rsv_key_add(face_key, place | c->flipped);
 }
 
-void rsv_elements_cell_keys(const rsv_elements *e, uint64_t *key)
+typedef struct key_job {
+    const rsv_elements *elements;
+    const uint64_t *cell_key; ///< [cell_count], for those of nodes
+    uint64_t *key;            ///< out
+} key_job;
+
+static void key_cells(void *data, rsv_span span)
 {
+    const key_job *job = data;
+    const rsv_elements *e = job->elements;
     uint32_t face = RSV_NONE; // of the cell just before
     uint64_t face_key = 0;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))                     \
-    firstprivate(face, face_key)
-    for (size_t k = 0; k < e->cell_count; k++) {
+    for (size_t k = span.begin; k < span.end; k++) {
         if (e->cell[k].face != face) face_key = rsv_face_key(e, face = e->cell[k].face);
-        key[k] = rsv_cell_key_on(face_key, &e->cell[k]);
+        job->key[k] = rsv_cell_key_on(face_key, &e->cell[k]);
     }
+}
+
+void rsv_elements_cell_keys(const rsv_elements *e, uint64_t *key)
+{
+    key_job job = { e, NULL, key };
+    rsv_parallel_for(e->context, e->cell_count, 0, key_cells, &job);
 }
 
 static uint64_t add_support(
@@ -49,17 +62,28 @@ static uint64_t add_support(
     return key;
 }
 
+static uint64_t key_of_node(const rsv_elements *e, const uint64_t *cell_key, uint32_t node)
+{
+    uint64_t key = add_support(e, cell_key, node, 0);
+    for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
+         e->led_begin && k < e->led_begin[node + 1]; k++) {
+        key = add_support(e, cell_key, e->led[k].follower, key);
+        key = rsv_key_add_bytes(key, &e->led[k].weight, sizeof e->led[k].weight);
+    }
+    return key;
+}
+
+static void key_nodes(void *data, rsv_span span)
+{
+    const key_job *job = data;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->key[n] = key_of_node(job->elements, job->cell_key, n);
+}
+
 void rsv_elements_node_keys(const rsv_elements *e, const uint64_t *cell_key, uint64_t *key)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        key[n] = add_support(e, cell_key, (uint32_t)n, 0);
-        for (uint32_t k = e->led_begin ? e->led_begin[n] : 0;
-             e->led_begin && k < e->led_begin[n + 1]; k++) {
-            key[n] = add_support(e, cell_key, e->led[k].follower, key[n]);
-            key[n] = rsv_key_add_bytes(key[n], &e->led[k].weight, sizeof e->led[k].weight);
-        }
-    }
+    key_job job = { e, cell_key, key };
+    rsv_parallel_for(e->context, e->node_count, 0, key_nodes, &job);
 }
 
 rsv_status rsv_node_keys_create(const rsv_elements *e, uint64_t **key)

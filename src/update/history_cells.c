@@ -2,6 +2,7 @@
 #include "history_internal.h"
 
 #include "../core/index_map.h"
+#include "../core/parallel.h"
 #include "../elements/open_corners.h"
 #include "element_keys.h"
 
@@ -177,14 +178,27 @@ static bool openness(const void *history, const rsv_elements *e, uint32_t cell, 
     return rsv_history_openness(history, e, cell, known);
 }
 
+typedef struct undivided_job {
+    const rsv_history *history;
+    const rsv_elements *elements;
+    const uint64_t *key;
+    uint8_t *undivided;
+} undivided_job;
+
+static void find_known(void *data, rsv_span span)
+{
+    const undivided_job *job = data;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->undivided[n] = rsv_history_knows_around(job->history, job->elements, n, job->key[n]);
+}
+
 /// Nodes that no wall divided then, and none does now.
 static rsv_status find_undivided(const void *history, const rsv_elements *e, uint8_t *undivided)
 {
     uint64_t *key = NULL;
     rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++)
-        if (status == RSV_OK) undivided[n] = rsv_history_knows_around(history, e, n, key[n]);
+    undivided_job job = { history, e, key, undivided };
+    if (status == RSV_OK) rsv_parallel_for(e->context, e->node_count, 256, find_known, &job);
     rsv_free(e->context, key);
     return status;
 }

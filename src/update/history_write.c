@@ -2,6 +2,7 @@
 #include "history_file.h"
 
 #include "../core/key.h"
+#include "../core/parallel.h"
 #include "../elements/open_corners.h"
 #include "element_keys.h"
 #include "material_keys.h"
@@ -26,22 +27,40 @@ static uint8_t *put(rsv_history_table *table, uint64_t key)
     return table->value + at * table->value_bytes;
 }
 
-static void put_cells(rsv_history_cells *cells, const rsv_elements *e)
+typedef struct cell_job {
+    const rsv_elements *elements;
+    rsv_history_cells *cells;
+} cell_job;
+
+static void put_faces(void *data, rsv_span span)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (uint32_t face = 0; face < e->face_count; face++)
-        cells->face[face] = (rsv_history_face){ .key = rsv_face_key(e, face),
+    const cell_job *job = data;
+    const rsv_elements *e = job->elements;
+    for (uint32_t face = (uint32_t)span.begin; face < span.end; face++)
+        job->cells->face[face] = (rsv_history_face){ .key = rsv_face_key(e, face),
             .slot = e->face_slot[face],
             .level = e->face_level[face],
             .halvings = e->face_halvings[face] };
-    memcpy(cells->slot, e->slot, e->slot_count * sizeof *e->slot);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t slot = 0; slot < e->slot_count; slot++) {
+}
+
+static void put_openness(void *data, rsv_span span)
+{
+    const cell_job *job = data;
+    const rsv_elements *e = job->elements;
+    for (size_t slot = span.begin; slot < span.end; slot++) {
         bool split = e->slot[slot] & RSV_SLOT_SPLIT;
         const uint8_t *known = split ? e->slot_openness : e->cell_openness;
         size_t at = split ? slot : e->slot[slot];
-        cells->openness[slot] = known ? known[at] | (split ? 0 : RSV_OPENNESS_KNOWN) : 0;
+        job->cells->openness[slot] = known ? known[at] | (split ? 0 : RSV_OPENNESS_KNOWN) : 0;
     }
+}
+
+static void put_cells(rsv_history_cells *cells, const rsv_elements *e)
+{
+    cell_job job = { e, cells };
+    rsv_parallel_for(e->context, e->face_count, 0, put_faces, &job);
+    memcpy(cells->slot, e->slot, e->slot_count * sizeof *e->slot);
+    rsv_parallel_for(e->context, e->slot_count, 0, put_openness, &job);
 }
 
 static rsv_history_light light_of(const rsv_history_fields *f, size_t n)

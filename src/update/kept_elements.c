@@ -1,16 +1,29 @@
 #include "kept_elements.h"
 
+#include "../core/parallel.h"
 #include "../elements/open_corners.h"
 #include "element_keys.h"
+
+typedef struct split_job {
+    const rsv_history *history;
+    const rsv_elements *elements;
+    uint8_t *split;
+} split_job;
+
+static void mark_splits(void *data, rsv_span span)
+{
+    const split_job *job = data;
+    const rsv_elements *e = job->elements;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        job->split[c] = rsv_history_was_split(job->history, RSV_HISTORY_COARSE, e, c) &&
+                        !rsv_history_is_near(job->history, e, c);
+}
 
 /// Cells that were split before the scene was edited, away from the edit.
 static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
 {
-    const rsv_history *history = user;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        split[c] = rsv_history_was_split(history, RSV_HISTORY_COARSE, e, c) &&
-                   !rsv_history_is_near(history, e, c);
+    split_job job = { user, e, split };
+    rsv_parallel_for(e->context, e->cell_count, 256, mark_splits, &job);
 }
 
 rsv_status rsv_kept_splits(const rsv_history *history, const rsv_transport_scene *scene,
@@ -52,6 +65,29 @@ static rsv_status draw_fresh_apart(rsv_elements *e, const uint8_t *known)
     return RSV_OK;
 }
 
+typedef struct point_job {
+    const rsv_history *history;
+    rsv_elements *elements;
+    const uint64_t *key;
+    uint16_t *valid_points;
+    uint8_t *known;
+} point_job;
+
+static void take_points(void *data, rsv_span span)
+{
+    const point_job *job = data;
+    rsv_elements *e = job->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        e->node_draw[n] = n;
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_history_node *then = rsv_history_find_node(job->history, e, n, job->key[n]);
+        if (!then) continue;
+        job->known[n] = 1;
+        e->node_draw[n] = then->draw;
+        job->valid_points[n] = (uint16_t)then->light.valid;
+    }
+}
+
 rsv_status rsv_kept_points(
     const rsv_history *history, rsv_elements *e, uint16_t *valid_points, uint8_t *known)
 {
@@ -60,16 +96,8 @@ rsv_status rsv_kept_points(
     e->node_draw = rsv_alloc(e->context, e->node_count, sizeof *e->node_draw);
     RSV_TRY(e->node_draw ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_node_keys_create(e, &key));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        e->node_draw[n] = n;
-        if (e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
-        if (!then) continue;
-        known[n] = 1;
-        e->node_draw[n] = then->draw;
-        valid_points[n] = (uint16_t)then->light.valid;
-    }
+    point_job job = { history, e, key, valid_points, known };
+    rsv_parallel_for(e->context, e->node_count, 256, take_points, &job);
     RSV_TRY(draw_fresh_apart(e, known));
 cleanup:
     rsv_free(e->context, key);

@@ -1,5 +1,6 @@
 #include "kept_light.h"
 
+#include "../core/parallel.h"
 #include "element_keys.h"
 
 #include <string.h>
@@ -71,13 +72,27 @@ static bool was_split(const rsv_kept_light *r, const rsv_elements *e, uint32_t c
                      : rsv_history_was_split(r->history, RSV_HISTORY_FINE, e, cell);
 }
 
+typedef struct split_job {
+    const rsv_kept_light *light;
+    const rsv_elements *elements;
+    uint8_t *split;
+} split_job;
+
+static void mark_splits(void *data, rsv_span span)
+{
+    const split_job *job = data;
+    const rsv_kept_light *r = job->light;
+    const rsv_elements *e = job->elements;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        job->split[c] = was_split(r, e, c) &&
+                        !r->light_changed[rsv_elements_find_around(r->coarse, &e->cell[c])];
+}
+
 static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_kept_light *r = user;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        split[c] = was_split(r, e, c) &&
-                   !r->light_changed[rsv_elements_find_around(r->coarse, &e->cell[c])];
+    split_job job = { r, e, split };
+    rsv_parallel_for(e->context, e->cell_count, 256, mark_splits, &job);
     size_t marked = 0;
     for (size_t c = 0; c < e->cell_count; c++)
         marked += split[c];
@@ -119,16 +134,26 @@ static const rsv_history_light *find_light(const rsv_kept_light *r, const rsv_el
     return then;
 }
 
+typedef struct node_job {
+    const rsv_kept_light *light;
+    const rsv_elements *elements;
+    const rsv_kept_light_fields *fields;
+    const uint64_t *key;        ///< [node_count], where the history tells
+    bool count_all;             ///< lit nodes too
+    atomic_uint_least64_t kept; ///< nodes of which it is known
+} node_job;
+
 /// As rsv_kept_light_nodes, of the level before.
-static void take_nodes(
-    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
+static void take_nodes(void *data, rsv_span span)
 {
+    node_job *job = data;
+    const rsv_kept_light *r = job->light;
+    const rsv_elements *e = job->elements;
+    const rsv_kept_light_fields *f = job->fields;
     const rsv_level_before *b = r->before;
     size_t known = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : known)
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE || (f->lit[n] && !kept)) continue;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        if (e->node_hanging[n] != RSV_NONE || (f->lit[n] && !job->count_all)) continue;
         if (is_node_light_changed(r, e, n)) continue;
         uint32_t twin = rsv_level_before_find(b, e, n);
         if (twin == RSV_NONE) continue;
@@ -139,25 +164,21 @@ static void take_nodes(
         f->direct[n] = b->direct[twin];
         f->deviation[n] = b->deviation[twin];
     }
-    if (kept) *kept = known;
+    atomic_fetch_add(&job->kept, known);
 }
 
-rsv_status rsv_kept_light_nodes(
-    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
+/// As rsv_kept_light_nodes, of the history.
+static void remember_nodes(void *data, rsv_span span)
 {
-    uint64_t *key = NULL;
+    node_job *job = data;
+    const rsv_elements *e = job->elements;
+    const rsv_kept_light_fields *f = job->fields;
     size_t known = 0;
-    if (r->before) {
-        take_nodes(r, e, f, kept);
-        return RSV_OK;
-    }
-    rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : known)
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE || (f->lit[n] && !kept)) continue;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        if (e->node_hanging[n] != RSV_NONE || (f->lit[n] && !job->count_all)) continue;
         uint16_t valid = 0;
-        const rsv_history_light *then = find_light(r, e, n, key[n], f->points, &valid);
+        const rsv_history_light *then =
+            find_light(job->light, e, n, job->key[n], f->points, &valid);
         if (!then) continue;
         known += valid != 0;
         if (f->lit[n]) continue;
@@ -166,9 +187,45 @@ rsv_status rsv_kept_light_nodes(
         f->direct[n] = then->direct;
         f->deviation[n] = then->deviation;
     }
-    if (kept) *kept = known;
+    atomic_fetch_add(&job->kept, known);
+}
+
+rsv_status rsv_kept_light_nodes(
+    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
+{
+    uint64_t *key = NULL;
+    rsv_status status = r->before ? RSV_OK : rsv_node_keys_create(e, &key);
+    node_job job = {
+        .light = r, .elements = e, .fields = f, .key = key, .count_all = kept != NULL
+    };
+    if (status == RSV_OK)
+        rsv_parallel_for(
+            e->context, e->node_count, 256, r->before ? take_nodes : remember_nodes, &job);
+    if (kept) *kept = job.kept;
     rsv_free(e->context, key);
     return status;
+}
+
+typedef struct direct_job {
+    const rsv_history *history;
+    const rsv_elements *elements;
+    const uint64_t *key;
+    const uint8_t *light_changed;
+    rsv_rgb *direct;
+    uint8_t *known;
+} direct_job;
+
+static void remember_direct(void *data, rsv_span span)
+{
+    const direct_job *job = data;
+    const rsv_elements *e = job->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        if (e->node_hanging[n] != RSV_NONE || rsv_node_light_is_changed(e, n, job->light_changed))
+            continue;
+        const rsv_history_node *then = rsv_history_find_node(job->history, e, n, job->key[n]);
+        job->known[n] = then != NULL;
+        if (then) job->direct[n] = then->light.direct;
+    }
 }
 
 rsv_status rsv_kept_direct(
@@ -179,14 +236,8 @@ rsv_status rsv_kept_direct(
     uint8_t *light_changed = NULL;
     RSV_TRY(rsv_node_keys_create(e, &key));
     RSV_TRY(rsv_history_find_light_changed(history, e, &light_changed));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE || rsv_node_light_is_changed(e, n, light_changed))
-            continue;
-        const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
-        known[n] = then != NULL;
-        if (then) direct[n] = then->light.direct;
-    }
+    direct_job job = { history, e, key, light_changed, direct, known };
+    rsv_parallel_for(e->context, e->node_count, 256, remember_direct, &job);
 cleanup:
     rsv_free(e->context, key);
     rsv_free(e->context, light_changed);

@@ -1,6 +1,7 @@
 #include "kept_rows.h"
 
 #include "../core/index_map.h"
+#include "../core/parallel.h"
 #include "history_internal.h"
 #include "update.h"
 
@@ -112,22 +113,34 @@ static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     return match_ends(then, now, nodes, e->end_now);
 }
 
-/// Rays that ended at a node did so in a cell around it.
-static rsv_status find_end_boxes(rsv_kept_rows *e, const rsv_elements *elements)
+typedef struct end_job {
+    const rsv_elements *elements;
+    rsv_vec3 (*box)[2]; ///< [node_count]
+} end_job;
+
+static void box_ends(void *data, rsv_span span)
 {
-    e->end_box = rsv_alloc(e->context, elements->node_count, sizeof *e->end_box);
-    if (!e->end_box) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < elements->node_count; n++) {
+    const end_job *job = data;
+    const rsv_elements *elements = job->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
         rsv_box all = { v3(INFINITY, INFINITY, INFINITY), v3(-INFINITY, -INFINITY, -INFINITY) };
         for (uint32_t s = elements->support_begin[n]; s < elements->support_begin[n + 1]; s++) {
             rsv_box cell = rsv_box_of_cell(elements, elements->support[s] / 4);
             all.low = v3_min(all.low, cell.low);
             all.high = v3_max(all.high, cell.high);
         }
-        e->end_box[n][0] = all.low;
-        e->end_box[n][1] = all.high;
+        job->box[n][0] = all.low;
+        job->box[n][1] = all.high;
     }
+}
+
+/// Rays that ended at a node did so in a cell around it.
+static rsv_status find_end_boxes(rsv_kept_rows *e, const rsv_elements *elements)
+{
+    e->end_box = rsv_alloc(e->context, elements->node_count, sizeof *e->end_box);
+    if (!e->end_box) return RSV_ERROR_MEMORY;
+    end_job job = { elements, e->end_box };
+    rsv_parallel_for(e->context, elements->node_count, 256, box_ends, &job);
     return RSV_OK;
 }
 

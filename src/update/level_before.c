@@ -1,5 +1,6 @@
 #include "level_before.h"
 
+#include "../core/parallel.h"
 #include "../elements/open_corners.h"
 
 static bool openness(const void *user, const rsv_elements *e, uint32_t cell, uint8_t *known)
@@ -30,11 +31,23 @@ static bool is_split(const void *user, const rsv_elements *e, uint32_t cell, boo
     return false; // likewise
 }
 
+typedef struct undivided_job {
+    const rsv_level_before *before;
+    const rsv_elements *elements;
+    uint8_t *undivided;
+} undivided_job;
+
+static void find_twins(void *data, rsv_span span)
+{
+    const undivided_job *job = data;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->undivided[n] = rsv_level_before_find(job->before, job->elements, n) != RSV_NONE;
+}
+
 static rsv_status find_undivided(const void *user, const rsv_elements *e, uint8_t *undivided)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++)
-        undivided[n] = rsv_level_before_find(user, e, n) != RSV_NONE;
+    undivided_job job = { user, e, undivided };
+    rsv_parallel_for(e->context, e->node_count, 256, find_twins, &job);
     return RSV_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "light_shafts.h"
 
+#include "../core/parallel.h"
 #include "../scene/punctual.h"
 #include "update_constants.h"
 
@@ -174,14 +175,25 @@ bool rsv_light_shafts_meet(const rsv_light_shafts *p, const rsv_elements *e, uin
     return false;
 }
 
+typedef struct shaft_job {
+    const rsv_light_shafts *shafts;
+    const rsv_elements *elements;
+    uint8_t *light_changed;
+} shaft_job;
+
+static void test_cells(void *data, rsv_span span)
+{
+    const shaft_job *job = data;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        job->light_changed[c] = rsv_light_shafts_meet(job->shafts, job->elements, c);
+}
+
 rsv_status rsv_light_shafts_find_changed(
     const rsv_light_shafts *p, const rsv_elements *e, uint8_t **light_changed)
 {
-    uint8_t *changed = *light_changed = rsv_alloc(e->context, e->cell_count, 1);
-    if (!changed) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        changed[c] = rsv_light_shafts_meet(p, e, c);
+    shaft_job job = { p, e, *light_changed = rsv_alloc(e->context, e->cell_count, 1) };
+    if (!job.light_changed) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(e->context, e->cell_count, 256, test_cells, &job);
     return RSV_OK;
 }
 

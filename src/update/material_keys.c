@@ -1,6 +1,7 @@
 #include "material_keys.h"
 
 #include "../core/key.h"
+#include "../core/parallel.h"
 #include "../scene/texture.h"
 #include "element_keys.h"
 
@@ -79,14 +80,26 @@ static rsv_material_key key_of_normal_map(const rsv_scene_view *scene, uint32_t 
     return own;
 }
 
+typedef struct material_job {
+    const rsv_scene_view *view;
+    const rsv_transport_scene *scene; ///< NULL = normal maps alone
+    rsv_material_key *key;            ///< [material_count]
+} material_job;
+
+static void key_materials(void *data, rsv_span span)
+{
+    const material_job *job = data;
+    for (uint32_t m = (uint32_t)span.begin; m < span.end; m++)
+        job->key[m] = job->scene ? key_of(job->scene, m) : key_of_normal_map(job->view, m);
+}
+
 rsv_status rsv_normal_map_keys_create(
     rsv_context *context, const rsv_scene_view *scene, rsv_material_key **keys)
 {
-    rsv_material_key *key = *keys = rsv_alloc(context, scene->material_count, sizeof *key);
-    if (!key) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic) num_threads(rsv_threads(context))
-    for (size_t m = 0; m < scene->material_count; m++)
-        key[m] = key_of_normal_map(scene, (uint32_t)m);
+    material_job job = { scene, NULL, rsv_alloc(context, scene->material_count, sizeof **keys) };
+    *keys = job.key;
+    if (!job.key) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(context, scene->material_count, 1, key_materials, &job);
     return RSV_OK;
 }
 
@@ -94,11 +107,10 @@ rsv_status rsv_material_keys_create(
     rsv_context *context, const rsv_transport_scene *scene, rsv_material_key **keys)
 {
     size_t count = scene->view->material_count;
-    rsv_material_key *key = *keys = rsv_alloc(context, count, sizeof *key);
-    if (!key) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic) num_threads(rsv_threads(context))
-    for (size_t m = 0; m < count; m++)
-        key[m] = key_of(scene, (uint32_t)m);
+    material_job job = { scene->view, scene, rsv_alloc(context, count, sizeof **keys) };
+    *keys = job.key;
+    if (!job.key) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(context, count, 1, key_materials, &job);
     return RSV_OK;
 }
 

@@ -1,16 +1,29 @@
 #include "moved_elements.h"
 
+#include "../core/parallel.h"
 #include "../elements/open_corners.h"
 
 #include <string.h>
 
+typedef struct follow_job {
+    const rsv_transport_scene *scene;
+    rsv_elements *elements;
+    const rsv_elements_motion *motion;
+    uint8_t *near;                  ///< [cell_count]
+    uint16_t *valid_points;         ///< [node_count]
+    uint8_t *anew;                  ///< [node_count]
+    atomic_uint_least32_t contacts; ///< what changed at them
+} follow_job;
+
 /// Cells that something came or went beside, and those that moved.
-static void find_near(
-    const rsv_elements *e, const uint8_t *moved, const rsv_scene_change *change, uint8_t *near)
+static void find_near(void *data, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        near[c] = moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, change);
+    const follow_job *job = data;
+    const rsv_elements *e = job->elements;
+    const rsv_elements_motion *m = job->motion;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        job->near[c] =
+            m->moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, m->change);
 }
 
 /// What changed at contacts, as in rsv_elements_motion.
@@ -21,22 +34,19 @@ static uint8_t compare_contacts(uint8_t then, uint8_t now)
     return changed | (now & (uint8_t)~then & RSV_CELL_CUT_THROUGH);
 }
 
-/// @return what changed at contacts
-static uint8_t judge_corners(const rsv_transport_scene *scene, rsv_elements *e, const uint8_t *near)
+static void judge_corners(void *data, rsv_span span)
 {
+    follow_job *job = data;
+    rsv_elements *e = job->elements;
     uint32_t changed = 0;
-    if (!e->cell_openness) return 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))                \
-    reduction(|                                                                                    \
-              : changed)
-    for (uint32_t c = 0; c < e->cell_count; c++) {
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++) {
         uint64_t rays = 0;
-        if (!near[c]) continue;
+        if (!job->near[c]) continue;
         uint8_t then = e->cell_openness[c];
-        e->cell_openness[c] = rsv_cell_judge_again(scene, e, c, &rays);
+        e->cell_openness[c] = rsv_cell_judge_again(job->scene, e, c, &rays);
         changed |= compare_contacts(then, e->cell_openness[c]);
     }
-    return (uint8_t)changed;
+    atomic_fetch_or(&job->contacts, changed);
 }
 
 /// Whether the node moved, and whether its points must be judged again.
@@ -66,12 +76,16 @@ static node_change change_of(
 }
 
 /// Where bodies of glass are, what lies in one may have another medium around it now: all beside something is found anew.
-static void judge_points(const rsv_transport_scene *scene, const rsv_elements *e,
-    const rsv_elements_motion *m, const uint8_t *near, uint16_t *valid_points, uint8_t *anew)
+static void judge_points(void *data, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        node_change change = change_of(e, n, m->moved, near);
+    const follow_job *job = data;
+    const rsv_transport_scene *scene = job->scene;
+    const rsv_elements *e = job->elements;
+    const rsv_elements_motion *m = job->motion;
+    uint16_t *valid_points = job->valid_points;
+    uint8_t *anew = job->anew;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        node_change change = change_of(e, n, m->moved, job->near);
         uint64_t rays = 0;
         anew[n] = 0;
         if (e->node_hanging[n] != RSV_NONE || !(change.near || change.moved)) continue;
@@ -128,10 +142,11 @@ rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *e
     uint8_t *near = rsv_reserve(e->context, e->cell_count, 1);
     if (!near) return status;
     if (changes_size(e, m->moved)) rsv_elements_find_areas(e);
-    find_near(e, m->moved, m->change, near);
-    uint8_t contacts = judge_corners(scene, e, near);
-    if (m->contacts) *m->contacts = contacts;
-    judge_points(scene, e, m, near, valid_points, anew);
+    follow_job job = { scene, e, m, near, valid_points, anew, 0 };
+    rsv_parallel_for(e->context, e->cell_count, 256, find_near, &job);
+    if (e->cell_openness) rsv_parallel_for(e->context, e->cell_count, 64, judge_corners, &job);
+    if (m->contacts) *m->contacts = (uint8_t)job.contacts;
+    rsv_parallel_for(e->context, e->node_count, 64, judge_points, &job);
     status = bridge_again(e, valid_points, m->change);
     rsv_free(e->context, near);
     return status;

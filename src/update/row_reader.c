@@ -1,5 +1,7 @@
 #include "row_reader.h"
 
+#include "../core/parallel.h"
+
 #include <string.h>
 
 /// A record of a blob, and whether it is what its writer wrote.
@@ -29,6 +31,22 @@ static rsv_status list_records(
     }
 }
 
+typedef struct record_job {
+    const rsv_row_reader *reader;
+    const rsv_blob *blob;
+    listed_record *list;
+} record_job;
+
+static void check_records(void *data, rsv_span span)
+{
+    const record_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++) {
+        listed_record *record = &job->list[k];
+        record->sound = rsv_row_record_is_sound(
+            job->blob->byte + record->at, record->bytes, job->reader->node_count);
+    }
+}
+
 /// Notes the records of a blob. @param end out: bytes up to the first that is not sound
 static rsv_status index_records(rsv_row_reader *r, const rsv_blob *blob, size_t *end)
 {
@@ -36,10 +54,8 @@ static rsv_status index_records(rsv_row_reader *r, const rsv_blob *blob, size_t 
     size_t count;
     *end = 0;
     rsv_status status = list_records(r, blob, &list, &count);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t k = 0; k < count; k++)
-        list[k].sound =
-            rsv_row_record_is_sound(blob->byte + list[k].at, list[k].bytes, r->node_count);
+    record_job job = { r, blob, list };
+    rsv_parallel_for(r->context, count, 0, check_records, &job);
     for (size_t k = 0; k < count && list[k].sound; k++) {
         r->known[list[k].node] = (rsv_blob){ blob->byte + list[k].at, list[k].bytes };
         *end = list[k].at + list[k].bytes;

@@ -6,6 +6,7 @@
 #include "update.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,9 +18,10 @@ struct rsv_row_store {
     rsv_row_catalogue *catalogue;
     rsv_kept_rows *earlier; ///< of the scene before it was edited; NULL = none
     bool open;
-    int end;          ///< of the blob that grows, where it is open
-    int error;        ///< errno of what could not be written; 0 = all was
-    size_t own_bytes; ///< of sound records that it had
+    pthread_mutex_t writing; ///< held by the thread that appends
+    int end;                 ///< of the blob that grows, where it is open
+    int error;               ///< errno of what could not be written; 0 = all was
+    size_t own_bytes;        ///< of sound records that it had
     char name[RSV_STORE_NAME_BYTES], catalogue_name[RSV_STORE_NAME_BYTES];
 };
 
@@ -60,11 +62,10 @@ rsv_status rsv_row_store_write(rsv_row_store *c, rsv_row_block *b)
 {
     rsv_status status = RSV_OK;
     if (!c) return status;
-#pragma omp critical(rsv_row_store)
-    {
-        if (c->error == 0) c->error = c->store->table->append(c->store, c->end, b->byte, b->count);
-        if (c->error != 0) status = c->error == ENOMEM ? RSV_ERROR_MEMORY : RSV_ERROR_IO;
-    }
+    pthread_mutex_lock(&c->writing);
+    if (c->error == 0) c->error = c->store->table->append(c->store, c->end, b->byte, b->count);
+    if (c->error != 0) status = c->error == ENOMEM ? RSV_ERROR_MEMORY : RSV_ERROR_IO;
+    pthread_mutex_unlock(&c->writing);
     b->count = 0;
     return status;
 }
@@ -131,6 +132,7 @@ rsv_status rsv_row_store_open(const rsv_row_basis *basis, rsv_row_store **store)
     *store = NULL;
     rsv_row_store *c = rsv_alloc(context, 1, sizeof *c);
     if (!c) return RSV_ERROR_MEMORY;
+    pthread_mutex_init(&c->writing, NULL);
     c->context = context;
     c->store = basis->scene->update->store;
     c->ray_count = basis->ray_count;
@@ -154,5 +156,6 @@ void rsv_row_store_close(rsv_row_store *c)
     rsv_row_catalogue_destroy(c->catalogue);
     rsv_row_reader_close(&c->reader);
     if (c->open) c->store->table->close(c->store, c->end);
+    pthread_mutex_destroy(&c->writing);
     rsv_free(c->context, c);
 }
