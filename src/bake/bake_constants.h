@@ -116,7 +116,8 @@
 #define NEAR_RAYS 16
 #define MEND_RAYS 64
 #define MEND_GROUPS 8
-/// Fewer groups where the noise of their mean is below this share of the light.
+/// Fewer groups where the noise of what is added is below this share of the light. Measured, vertices of cornell-blocks at draft: a
+/// quarter of the time less than with all groups, errors beside path tracing the same (median 1.9 %, 99th percentile 16 %).
 #define LEAST_MEND_GROUPS 3
 #define MEND_NOISE 0.01f
 /// Change of stored light within an element, as a share of the light, and the element's edge over the harmonic mean of what one sees

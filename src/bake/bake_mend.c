@@ -95,7 +95,7 @@ rsv_rgb rsv_bake_mend(
     if (patch->count == 0 || !(total > 0) || !rsv_bake_is_sampled(s, &patch->place[0])) return none;
     float share = doubt(s, &patch->place[0], total);
     if (share == 0) return none;
-    difference d = gather_difference(s, patch, MEND_NOISE * total, seed);
+    difference d = gather_difference(s, patch, MEND_NOISE * total / share, seed);
     // what noise explains is no error of what is stored (James and Stein 1961)
     float sure = d.square > 0 ? f_max(1 - d.noise / d.square, 0) : 0;
     return rgb_scale(d.mean, share * sure);
