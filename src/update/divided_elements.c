@@ -78,8 +78,8 @@ static rsv_status split_cells(const divider *v)
     rsv_context *context = coarser->context;
     rsv_elements *e = NULL;
     rsv_status status = RSV_OK;
-    size_t marked = 1;
     uint8_t *split = rsv_alloc(context, coarser->cell_count, 1);
+    size_t marked = split && coarser == judged ? mark_cells(v, coarser, split) : 1;
     while (marked && status == RSV_OK) {
         rsv_elements *finer = NULL;
         RSV_TRY(split ? RSV_OK : RSV_ERROR_MEMORY);
@@ -219,7 +219,7 @@ rsv_status rsv_elements_divide(const rsv_transport_scene *scene, const rsv_eleme
     *divided = (rsv_divided_elements){ 0 };
     begin(&v, scene);
     rsv_status status = split_cells(&v);
-    if (status == RSV_OK) status = number_nodes(&v);
+    if (status == RSV_OK && divided->elements) status = number_nodes(&v);
     if (status != RSV_OK) rsv_divided_elements_free(context, divided);
     return status;
 }
