@@ -1,6 +1,7 @@
 /// Bare shadow rays, beside which moved lights are timed.
 #include "benchmarks.h"
 
+#include "parallel.h"
 #include "resolvent/trace.h"
 
 #include <math.h>
@@ -67,15 +68,27 @@ rsv_status cli_shadow_rays_create(
     return rsv_tracer_create(scene, &r->tracer);
 }
 
+typedef struct occlusion_job {
+    const cli_shadow_rays *rays;
+    bool coherent;
+} occlusion_job;
+
+static void trace_packets(void *user, size_t begin, size_t end)
+{
+    const occlusion_job *job = user;
+    for (size_t p = begin; p < end; p++) {
+        rsv_ray_packet *packet = &job->rays->packet[p];
+        for (int lane = 0; lane < RSV_PACKET_WIDTH; lane++)
+            packet->t_max[lane] = 0.999f;
+        rsv_tracer_occluded_packet(job->rays->tracer, packet, job->coherent);
+    }
+}
+
 double cli_shadow_rays_time(const cli_shadow_rays *rays, bool coherent)
 {
+    occlusion_job job = { rays, coherent };
     double start = cli_seconds();
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rays->threads)
-    for (size_t p = 0; p < rays->packet_count; p++) {
-        for (int lane = 0; lane < RSV_PACKET_WIDTH; lane++)
-            rays->packet[p].t_max[lane] = 0.999f;
-        rsv_tracer_occluded_packet(rays->tracer, &rays->packet[p], coherent);
-    }
+    cli_parallel_for(rays->threads, rays->packet_count, 64, trace_packets, &job);
     return cli_seconds() - start;
 }
 

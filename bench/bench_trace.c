@@ -1,5 +1,6 @@
 #include "benchmarks.h"
 
+#include "parallel.h"
 #include "resolvent/trace.h"
 
 #include <cJSON.h>
@@ -22,7 +23,8 @@ typedef struct workload {
     bool coherent;
 } workload;
 
-typedef size_t (*pass)(const workload *work); ///< returns the number of hits
+/// Traces a span of the rays or packets.
+typedef void (*pass)(void *job, size_t begin, size_t end);
 
 static rsv_vec3 mad(rsv_vec3 a, float s, rsv_vec3 b)
 {
@@ -134,60 +136,46 @@ static void set_lengths(rsv_ray_packet *packet, const rsv_ray *rays)
         packet->t_max[lane] = rays[lane].t_max;
 }
 
-static size_t closest_single(const workload *work)
+static void closest_single(void *job, size_t begin, size_t end)
 {
-    size_t hits = 0;
-#pragma omp parallel for schedule(dynamic, 1024) reduction(+ : hits) num_threads(work->threads)
-    for (uint32_t i = 0; i < ray_count; i++) {
+    const workload *work = job;
+    for (size_t i = begin; i < end; i++) {
         rsv_hit hit;
-        hits += rsv_tracer_closest(work->tracer, &work->rays[i], &hit);
+        rsv_tracer_closest(work->tracer, &work->rays[i], &hit);
     }
-    return hits;
 }
 
-static size_t closest_packet(const workload *work)
+static void closest_packet(void *job, size_t begin, size_t end)
 {
-    size_t hits = 0;
-#pragma omp parallel for schedule(dynamic, 64) reduction(+ : hits) num_threads(work->threads)
-    for (uint32_t i = 0; i < packet_count; i++) {
-        rsv_ray_packet *packet = &work->packets[i];
-        set_lengths(packet, &work->rays[i * RSV_PACKET_WIDTH]);
-        rsv_tracer_closest_packet(work->tracer, packet, work->coherent);
-        for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++)
-            hits += packet->triangle[lane] != RSV_NONE;
+    const workload *work = job;
+    for (size_t i = begin; i < end; i++) {
+        set_lengths(&work->packets[i], &work->rays[i * RSV_PACKET_WIDTH]);
+        rsv_tracer_closest_packet(work->tracer, &work->packets[i], work->coherent);
     }
-    return hits;
 }
 
-static size_t occluded_single(const workload *work)
+static void occluded_single(void *job, size_t begin, size_t end)
 {
-    size_t hits = 0;
-#pragma omp parallel for schedule(dynamic, 1024) reduction(+ : hits) num_threads(work->threads)
-    for (uint32_t i = 0; i < ray_count; i++)
-        hits += rsv_tracer_occluded(work->tracer, &work->rays[i]);
-    return hits;
+    const workload *work = job;
+    for (size_t i = begin; i < end; i++)
+        rsv_tracer_occluded(work->tracer, &work->rays[i]);
 }
 
-static size_t occluded_packet(const workload *work)
+static void occluded_packet(void *job, size_t begin, size_t end)
 {
-    size_t hits = 0;
-#pragma omp parallel for schedule(dynamic, 64) reduction(+ : hits) num_threads(work->threads)
-    for (uint32_t i = 0; i < packet_count; i++) {
-        rsv_ray_packet *packet = &work->packets[i];
-        set_lengths(packet, &work->rays[i * RSV_PACKET_WIDTH]);
-        rsv_tracer_occluded_packet(work->tracer, packet, work->coherent);
-        for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++)
-            hits += packet->t_max[lane] == -INFINITY;
+    const workload *work = job;
+    for (size_t i = begin; i < end; i++) {
+        set_lengths(&work->packets[i], &work->rays[i * RSV_PACKET_WIDTH]);
+        rsv_tracer_occluded_packet(work->tracer, &work->packets[i], work->coherent);
     }
-    return hits;
 }
 
-static double rays_per_second(pass run, const workload *work)
+static double rays_per_second(pass trace, size_t count, workload *work)
 {
     double started = cli_seconds(), fastest = INFINITY;
     while (cli_seconds() - started < measuring_time && !cli_interrupted()) {
         double pass_started = cli_seconds();
-        run(work);
+        cli_parallel_for(work->threads, count, 1024 * count / ray_count, trace, work);
         fastest = fmin(fastest, cli_seconds() - pass_started);
     }
     return ray_count / fastest;
@@ -198,8 +186,8 @@ static void measure_pair(workload *work, pass single, pass packet, const char *s
     const char *packet_name, cJSON *result)
 {
     fill_packets(work->rays, work->packets);
-    cJSON_AddNumberToObject(result, single_name, rays_per_second(single, work));
-    cJSON_AddNumberToObject(result, packet_name, rays_per_second(packet, work));
+    cJSON_AddNumberToObject(result, single_name, rays_per_second(single, ray_count, work));
+    cJSON_AddNumberToObject(result, packet_name, rays_per_second(packet, packet_count, work));
 }
 
 static void measure_all(workload *work, rsv_ray *rays, rsv_ray *bounce, cJSON *result)

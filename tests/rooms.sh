@@ -61,7 +61,7 @@ rooms() {
 # Programs include headers of their own folder and public ones; the runtime depends on nothing.
 programs() {
     # The program calls its benchmarks, which are commands of it and use what commands share.
-    local exceptions="apps/bench.h bench/command.h bench/crew.h bench/device.h bench/options.h bench/output_file.h bench/session.h
+    local exceptions="apps/bench.h bench/command.h bench/crew.h bench/device.h bench/options.h bench/output_file.h bench/parallel.h bench/session.h
         bench/stats.h bench/subject.h"
     { find apps bench samples rt include src -name '*.h' && echo && includes apps bench samples rt; } |
         awk -v exceptions="$exceptions" '

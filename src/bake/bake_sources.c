@@ -109,7 +109,7 @@ void rsv_bake_weigh(const rsv_bake_sources *q, const rsv_receiver *receiver, rsv
     w->local.unshadowed = rgb_gray(0);
     float sky = rsv_weigh_environment(&w->local);
     w->unshadowed = rgb_add(w->unshadowed, w->local.unshadowed);
-    w->emitters = rsv_share_of(w->sum, sky);
+    w->emitters = rsv_weight_share(w->sum, sky);
     for (uint32_t k = 0; k < rsv_entry_count(&w->local) && sky > 0; k++)
         w->local.probability[k] *= (1 - w->emitters) / sky;
 }

@@ -87,9 +87,10 @@ static rsv_rgb entering(const rsv_light_view *s, const rsv_specular_path *path, 
     return rgb_mul(flux, rgb_scale(share, rsv_photon_tilt(shading, geometric, path->direction)));
 }
 
-static void land(void *user, const rsv_specular_path *path, rsv_rgb flux)
+static void land(void *user, size_t photon_slot, const rsv_specular_path *path, rsv_rgb flux)
 {
     counting *c = user;
+    (void)photon_slot; // sums of whole numbers are the same in any order
     const rsv_caustic_judge *judge = c->judge;
     const rsv_elements *e = judge->solution->caustics.elements;
     uint32_t face = e->face_of[path->back][path->triangle];

@@ -1,5 +1,6 @@
 #include "resolvent/certify.h"
 
+#include "../core/parallel.h"
 #include "../elements/voxels.h"
 #include "amplification.h"
 #include "error_field.h"
@@ -57,40 +58,57 @@ static rsv_status judge_caustics(examination *x)
         &x->judge, rsv_hash2(x->desc.seed, SEED_OF_PHOTONS), &x->certificate->rays);
 }
 
+/// What takes samples on surfaces, or in the air.
+typedef struct sampling_job {
+    examination *x;
+    rsv_residual_job residual;
+    rsv_visible_surface visible; ///< of surfaces
+    const double *sum;           ///< [voxels] areas of voxels, summed up; of air
+    atomic_uint_least64_t rays;
+    atomic_uint done, broken;
+} sampling_job;
+
+/// @return whether the light there is a finite number, or the point is buried
+static bool take_sample(const sampling_job *job, uint32_t k, uint64_t *rays)
+{
+    rsv_residual_sample *sample = &job->x->sample[k];
+    uint32_t stream = rsv_hash3(rsv_hash2(job->x->desc.seed, SEED_OF_POINTS), k, 0x1b87u);
+    if (rsv_point_is_buried(&job->visible, &sample->point, stream, rays)) return true;
+    sample->at = rsv_residual_at(&job->residual, &sample->point, stream);
+    sample->valid = is_finite(&sample->at);
+    *rays += sample->at.rays;
+    return sample->valid;
+}
+
+static void take_span(void *data, rsv_span span)
+{
+    sampling_job *job = data;
+    rsv_context *context = job->x->solution->context;
+    uint64_t rays = 0;
+    for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++) {
+        if (!take_sample(job, (uint32_t)k, &rays)) atomic_fetch_add(&job->broken, 1);
+        unsigned done = atomic_fetch_add(&job->done, 1) + 1;
+        if (span.worker == 0)
+            rsv_progress(context, "certify", (double)done / (double)job->x->desc.samples);
+    }
+    atomic_fetch_add(&job->rays, rays);
+}
+
 static rsv_status take_samples(examination *x)
 {
     const rsv_light_view *s = x->solution;
     rsv_context *context = s->context;
-    rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
-    if (x->judge.solution) job.judge = &x->judge;
-    rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, s->elements);
-    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
-    size_t done = 0;
-    uint64_t rays = 0;
-    uint32_t broken = 0;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context)) \
-    reduction(+ : rays, broken)
-    for (uint32_t k = 0; k < count; k++) {
-        if (rsv_cancelled(context)) continue;
-        rsv_residual_sample *sample = &x->sample[k];
-        uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
-        if (!rsv_point_is_buried(&visible, &sample->point, stream, &rays)) {
-            sample->at = rsv_residual_at(&job, &sample->point, stream);
-            sample->valid = is_finite(&sample->at);
-            broken += !sample->valid;
-            rays += sample->at.rays;
-        }
-        size_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(context, "certify", (double)finished / (double)count);
-    }
-    x->certificate->rays += rays;
-    if (broken > 0)
+    sampling_job job = { .x = x };
+    job.residual = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    if (x->judge.solution) job.residual.judge = &x->judge;
+    job.visible = rsv_visible_surface_of(&s->scene, s->elements);
+    rsv_parallel_for(context, x->desc.samples, 8, take_span, &job);
+    x->certificate->rays += job.rays;
+    if (job.broken > 0)
         return rsv_fail(RSV_ERROR_SCENE,
-            "certify: at %u of %u points the light is not a finite number", broken, count);
-    if (job.stored_caustics)
+            "certify: at %u of %u points the light is not a finite number", job.broken,
+            x->desc.samples);
+    if (job.residual.stored_caustics)
         rsv_log(context, RSV_LOG_WARNING,
             "certify: gather rays cannot find punctual lights, so photons check their caustics; detail finer "
             "than small parts of the elements is missed");
@@ -171,26 +189,41 @@ static double sum_areas(const rsv_elements *e, double *sum)
     return total;
 }
 
-/// Mean of the squared residual in the air.
-static rsv_moments measure_air(examination *x, const double *sum, double total)
+/// One of the voxels, by area.
+static uint32_t draw_voxel(const sampling_job *job, size_t k, uint32_t stream)
 {
-    const rsv_light_view *s = x->solution;
-    rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
-    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_AIR), count = x->desc.samples;
+    size_t voxels = job->x->solution->elements->voxels->count;
+    double place = (double)k + (double)rsv_unit_float(stream);
+    double at = job->sum[voxels - 1] * place / job->x->desc.samples;
+    return (uint32_t)rsv_interval_at(job->sum, voxels, at);
+}
+
+static void measure_voxels(void *data, rsv_span span)
+{
+    sampling_job *job = data;
+    examination *x = job->x;
+    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_AIR);
     uint64_t rays = 0;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(s->context))     reduction(+ : rays)
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
-        double at = total * ((double)k + (double)rsv_unit_float(stream)) / count;
-        size_t voxel = rsv_interval_at(sum, s->elements->voxels->count, at);
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t stream = rsv_hash3(seed, (uint32_t)k, 0x1b87u);
         x->value[k] = 0;
-        if (rsv_cancelled(s->context)) continue;
-        rsv_residual r = rsv_residual_in_air(&job, (uint32_t)voxel, stream);
+        if (rsv_cancelled(x->solution->context)) continue;
+        rsv_residual r = rsv_residual_in_air(&job->residual, draw_voxel(job, k, stream), stream);
         if (is_finite(&r)) x->value[k] = luminance(r.residual[0]) * luminance(r.residual[1]);
         rays += r.rays;
     }
-    x->certificate->rays += rays;
-    return rsv_moments_of(x->value, count);
+    atomic_fetch_add(&job->rays, rays);
+}
+
+/// Mean of the squared residual in the air.
+static rsv_moments measure_air(examination *x, const double *sum)
+{
+    const rsv_light_view *s = x->solution;
+    sampling_job job = { .x = x, .sum = sum };
+    job.residual = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    rsv_parallel_for(s->context, x->desc.samples, 8, measure_voxels, &job);
+    x->certificate->rays += job.rays;
+    return rsv_moments_of(x->value, x->desc.samples);
 }
 
 /// What the residual in the air adds to the bound: of the squared one, per area of the surfaces. Errors there come to surfaces
@@ -203,7 +236,7 @@ static rsv_status judge_air(examination *x, double *squared)
     double *sum = rsv_alloc(s->context, s->elements->voxels->count, sizeof *sum);
     if (!sum) return RSV_ERROR_MEMORY;
     double total = sum_areas(s->elements, sum);
-    rsv_moments m = measure_air(x, sum, total);
+    rsv_moments m = measure_air(x, sum);
     *squared = fmax(m.ci95[1], 0) * total / (double)x->density.area;
     rsv_free(s->context, sum);
     return rsv_progress(s->context, "certify", 1);

@@ -1,4 +1,5 @@
 /// <z, r>: the error of one picture or of sensors' mean reading, from residuals where they matter to it.
+#include "../core/parallel.h"
 #include "../solve/goal.h"
 #include "moments.h"
 #include "point_density.h"
@@ -19,7 +20,9 @@ typedef struct goal_job {
     rsv_rgb *importance; ///< [node_count] z per area
     rsv_point_density density;
     rsv_caustic_judge judge; ///< of caustics that no gather ray can find
-    double *term;            ///< [desc.samples] (z r) / density of the point
+    rsv_residual_job residual;
+    rsv_visible_surface visible;
+    double *term; ///< [desc.samples] (z r) / density of the point
 } goal_job;
 
 /// Of z in a cell, per area.
@@ -54,33 +57,36 @@ static rsv_status judge_caustics(goal_job *job)
     return rsv_caustic_judge_shoot(&job->judge, rsv_hash2(job->seed, SEED_OF_PHOTONS), &rays);
 }
 
-static double measure_term(const goal_job *job, const rsv_visible_surface *visible,
-    const rsv_residual_job *residual, uint32_t k)
+static double measure_term(const goal_job *job, uint32_t k)
 {
     const rsv_light_view *s = job->solution;
     uint64_t rays = 0;
     uint32_t stream = rsv_hash3(job->seed, k, 0x2ab1u);
     double weight;
     rsv_face_point point = draw_point(job, k, &weight);
-    if (rsv_point_is_buried(visible, &point, stream, &rays)) return 0;
-    rsv_residual r = rsv_residual_at(residual, &point, stream);
+    if (rsv_point_is_buried(&job->visible, &point, stream, &rays)) return 0;
+    rsv_residual r = rsv_residual_at(&job->residual, &point, stream);
     rsv_rgb z =
         rsv_elements_interpolate(s->elements, job->importance, point.face, point.u, point.v);
     rsv_rgb term = rgb_mul(z, rgb_scale(rgb_add(r.residual[0], r.residual[1]), 0.5f));
     return ((double)term.r + (double)term.g + (double)term.b) * weight * job->density.area;
 }
 
+static void measure_span(void *data, rsv_span span)
+{
+    const goal_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++)
+        if (!rsv_cancelled(job->solution->context)) job->term[k] = measure_term(job, (uint32_t)k);
+}
+
 static rsv_status measure_terms(goal_job *job)
 {
-    rsv_context *context = job->solution->context;
-    rsv_residual_job residual =
-        rsv_residual_job_of(job->solution, job->desc.gather_rays, job->desc.light_samples);
-    residual.judge = job->judge.solution ? &job->judge : NULL;
-    rsv_visible_surface visible =
-        rsv_visible_surface_of(&job->solution->scene, job->solution->elements);
-#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context))
-    for (uint32_t k = 0; k < job->desc.samples; k++)
-        if (!rsv_cancelled(context)) job->term[k] = measure_term(job, &visible, &residual, k);
+    const rsv_light_view *s = job->solution;
+    rsv_context *context = s->context;
+    job->residual = rsv_residual_job_of(s, job->desc.gather_rays, job->desc.light_samples);
+    job->residual.judge = job->judge.solution ? &job->judge : NULL;
+    job->visible = rsv_visible_surface_of(&s->scene, s->elements);
+    rsv_parallel_for(context, job->desc.samples, 8, measure_span, job);
     for (uint32_t k = 0; k < job->desc.samples; k++)
         if (!isfinite(job->term[k]))
             return rsv_fail(

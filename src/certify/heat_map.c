@@ -1,5 +1,6 @@
 /// Where the error is, as a picture: the estimate of e^2 at one surface point per pixel, averaged over its neighbours on
 /// the same surface.
+#include "../core/parallel.h"
 #include "../core/srgb.h"
 #include "../render/camera_path.h"
 #include "../trace/camera_ray.h"
@@ -31,6 +32,7 @@ typedef struct heat_job {
     rsv_medium medium;       ///< the camera's
     uint32_t seed;
     heat_pixel *pixel; ///< [height * width]
+    atomic_uint rows_done;
 } heat_job;
 
 /// The end of a camera ray that matters most.
@@ -105,13 +107,12 @@ static void measure_pixel(const heat_job *job, uint32_t x, uint32_t y)
     pixel->squared = isfinite(error[0] * error[1]) ? error[0] * error[1] : 0;
 }
 
-static void place_pixels(heat_job *job)
+static void place_rows(void *data, rsv_span span)
 {
-    rsv_context *context = job->solution->context;
-    uint32_t width = job->desc.width, height = job->desc.height - BAR_HEIGHT;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width && !rsv_cancelled(context); x++)
+    const heat_job *job = data;
+    uint32_t width = job->desc.width;
+    for (uint32_t y = (uint32_t)span.begin; y < span.end; y++)
+        for (uint32_t x = 0; x < width && !rsv_cancelled(job->solution->context); x++)
             job->pixel[(size_t)y * width + x] = place_pixel(job, x, y);
 }
 
@@ -129,21 +130,17 @@ static rsv_status judge_caustics(heat_job *job)
     return rsv_caustic_judge_shoot(&job->judge, rsv_hash2(job->seed, SEED_OF_PHOTONS), &rays);
 }
 
-static rsv_status measure_pixels(heat_job *job)
+static void measure_rows(void *data, rsv_span span)
 {
+    heat_job *job = data;
     rsv_context *context = job->solution->context;
-    uint32_t done = 0, height = job->desc.height - BAR_HEIGHT;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (uint32_t y = 0; y < height; y++) {
+    double height = job->desc.height - BAR_HEIGHT;
+    for (uint32_t y = (uint32_t)span.begin; y < span.end; y++) {
         for (uint32_t x = 0; x < job->desc.width && !rsv_cancelled(context); x++)
             measure_pixel(job, x, y);
-        uint32_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(context, "heat map", (double)finished / (double)height);
+        unsigned done = atomic_fetch_add(&job->rows_done, 1) + 1;
+        if (span.worker == 0) rsv_progress(context, "heat map", done / height);
     }
-    return rsv_progress(context, "heat map", 1);
 }
 
 static bool is_alike(const heat_pixel *a, const heat_pixel *b)
@@ -247,10 +244,11 @@ rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify_desc *c
     RSV_TRY(job.pixel ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_image_create(s->context, job.desc.width, job.desc.height, 2, &image));
     RSV_TRY(rsv_image_set_layer_name(image, 1, "relative_error"));
-    place_pixels(&job);
+    rsv_parallel_for(s->context, job.desc.height - BAR_HEIGHT, 1, place_rows, &job);
     RSV_TRY(rsv_progress(s->context, "heat map", 0)); // cancelled pixels have no places
     RSV_TRY(judge_caustics(&job));
-    RSV_TRY(measure_pixels(&job));
+    rsv_parallel_for(s->context, job.desc.height - BAR_HEIGHT, 1, measure_rows, &job);
+    RSV_TRY(rsv_progress(s->context, "heat map", 1));
     paint(&job, certificate->irradiance_rms, image);
     *result = image;
     image = NULL;

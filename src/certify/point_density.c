@@ -1,5 +1,6 @@
 #include "point_density.h"
 
+#include "../core/parallel.h"
 #include "../elements/elements.h"
 #include "../elements/open_corners.h"
 #include "../render/stored_noise.h"
@@ -11,14 +12,21 @@
 /// A cell is known by the middles of the four it could be split into.
 #define CHILDREN 4
 
+typedef struct weighing {
+    const rsv_point_density *density;
+    rsv_cell_indicator indicator;
+    const void *user; ///< of the indicator
+} weighing;
+
 /// The areas times the indicators, each before its turn in the sums.
-static void weigh_cells(rsv_point_density *d, rsv_cell_indicator indicator, const void *user)
+static void weigh_cells(void *data, rsv_span span)
 {
-    const rsv_elements *e = d->elements;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(e->context))
-    for (size_t c = 0; c < e->cell_count; c++) {
-        double value = indicator(user, (uint32_t)c);
-        d->below[c + 1] = isfinite(value) ? value * (double)rsv_cell_area(e, (uint32_t)c) : 0;
+    const weighing *w = data;
+    const rsv_elements *e = w->density->elements;
+    double *below = w->density->below;
+    for (size_t c = span.begin; c < span.end; c++) {
+        double value = w->indicator(w->user, (uint32_t)c);
+        below[c + 1] = isfinite(value) ? value * (double)rsv_cell_area(e, (uint32_t)c) : 0;
     }
 }
 
@@ -42,7 +50,8 @@ rsv_status rsv_point_density_create(const rsv_elements *e, double even_share,
     *density = (rsv_point_density){ .elements = e };
     density->below = rsv_alloc(e->context, e->cell_count + 1, sizeof *density->below);
     if (!density->below) return RSV_ERROR_MEMORY;
-    weigh_cells(density, indicator, user);
+    weighing w = { density, indicator, user };
+    rsv_parallel_for(e->context, e->cell_count, 1024, weigh_cells, &w);
     add_up_chances(density, even_share);
     return RSV_OK;
 }
@@ -114,12 +123,16 @@ static void judge_cell(cell_indicators *i, uint32_t cell)
     i->value[1][cell] = isfinite(variance) ? (float)variance : 0;
 }
 
+static void judge_span(void *data, rsv_span span)
+{
+    for (size_t cell = span.begin; cell < span.end; cell++)
+        judge_cell(data, (uint32_t)cell);
+}
+
 static void judge_cells(cell_indicators *i)
 {
     const rsv_elements *e = i->elements;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(e->context))
-    for (uint32_t cell = 0; cell < e->cell_count; cell++)
-        judge_cell(i, cell);
+    rsv_parallel_for(e->context, e->cell_count, 1024, judge_span, i);
     for (int k = 0; k < 2; k++) {
         double sum = 0;
         for (uint32_t cell = 0; cell < e->cell_count; cell++)

@@ -1,3 +1,4 @@
+#include "../core/parallel.h"
 #include "../solve/light.h"
 #include "moments.h"
 #include "point_density.h"
@@ -14,31 +15,45 @@ static double luminance_at(const rsv_light_view *s, const rsv_face_point *p)
     return (double)rgb_luminance(e);
 }
 
+/// Two solutions, compared at drawn points.
+typedef struct comparison {
+    const rsv_light_view *a, *b;
+    rsv_point_density density;
+    rsv_visible_surface visible;
+    double *square, *weight; ///< [POINTS] out; weight 0 = buried
+} comparison;
+
+static void compare_at_points(void *data, rsv_span span)
+{
+    const comparison *c = data;
+    for (uint32_t k = (uint32_t)span.begin; k < span.end; k++) {
+        uint64_t rays = 0;
+        double *weight = &c->weight[k];
+        rsv_face_point p = rsv_point_density_draw(&c->density, k, POINTS, OTHER_SEED, weight);
+        if (rsv_point_is_buried(&c->visible, &p, k, &rays)) *weight = 0;
+        double difference = luminance_at(c->a, &p) - luminance_at(c->b, &p);
+        c->square[k] = *weight > 0 ? difference * difference : 0;
+    }
+}
+
 /// Mean square of the difference of two solutions of one scene.
 static rsv_status mean_squared_difference(
     const rsv_light_view *a, const rsv_light_view *b, double *mean)
 {
     rsv_context *context = a->context;
-    rsv_point_density density = { 0 };
+    comparison c = { .a = a, .b = b };
     rsv_status status = RSV_ERROR_MEMORY;
-    double *square = rsv_alloc(context, POINTS, sizeof *square);
-    double *weight = rsv_alloc(context, POINTS, sizeof *weight);
-    if (!square || !weight) goto cleanup;
-    RSV_TRY(rsv_point_density_of_light(a, &density));
-    rsv_visible_surface visible = rsv_visible_surface_of(&a->scene, a->elements);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (uint32_t k = 0; k < POINTS; k++) {
-        uint64_t rays = 0;
-        rsv_face_point p = rsv_point_density_draw(&density, k, POINTS, OTHER_SEED, &weight[k]);
-        if (rsv_point_is_buried(&visible, &p, k, &rays)) weight[k] = 0;
-        double difference = luminance_at(a, &p) - luminance_at(b, &p);
-        square[k] = weight[k] > 0 ? difference * difference : 0;
-    }
-    *mean = rsv_moments_by_weight(square, weight, POINTS).mean;
+    c.square = rsv_alloc(context, POINTS, sizeof *c.square);
+    c.weight = rsv_alloc(context, POINTS, sizeof *c.weight);
+    if (!c.square || !c.weight) goto cleanup;
+    RSV_TRY(rsv_point_density_of_light(a, &c.density));
+    c.visible = rsv_visible_surface_of(&a->scene, a->elements);
+    rsv_parallel_for(context, POINTS, 256, compare_at_points, &c);
+    *mean = rsv_moments_by_weight(c.square, c.weight, POINTS).mean;
 cleanup:
-    rsv_point_density_destroy(&density);
-    rsv_free(context, square);
-    rsv_free(context, weight);
+    rsv_point_density_destroy(&c.density);
+    rsv_free(context, c.square);
+    rsv_free(context, c.weight);
     return status;
 }
 

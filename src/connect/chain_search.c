@@ -1,7 +1,7 @@
 #include "connect_internal.h"
 
-#include "../core/core.h"
 #include "../core/morton.h"
+#include "../core/parallel.h"
 #include "../core/sampling.h"
 
 #include <stdlib.h>
@@ -350,18 +350,30 @@ static void warn_of_facets(const rsv_connections *c, const target_list *targets,
     }
 }
 
+typedef struct search_job {
+    rsv_connections *connections;
+    const target_list *targets;
+    double rays; ///< per source
+    _Atomic rsv_status result;
+} search_job;
+
+static void search_sources(void *user, rsv_span span)
+{
+    search_job *job = user;
+    for (size_t k = span.begin; k < span.end; k++)
+        rsv_keep_failure(&job->result, search_source(job->connections, k, job->targets, job->rays));
+}
+
 rsv_status rsv_chains_find(rsv_connections *c)
 {
     rsv_status status;
     target_list targets = { 0 };
     double rays = fmax(LEAST_RAYS, RAYS / (double)c->source_count);
-    int failed = 0;
     RSV_TRY(list_targets(c, &targets));
     if ((double)targets.count > rays) warn_of_facets(c, &targets, rays);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(c->context)) reduction(+ : failed)
-    for (size_t k = 0; k < c->source_count; k++)
-        failed += search_source(c, k, &targets, rays) != RSV_OK;
-    if (failed) status = RSV_ERROR_MEMORY;
+    search_job job = { c, &targets, rays, RSV_OK };
+    rsv_parallel_for(c->context, c->source_count, 1, search_sources, &job);
+    status = job.result;
 cleanup:
     rsv_free(c->context, targets.target);
     return status;

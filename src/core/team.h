@@ -34,6 +34,12 @@ static inline bool rsv_team_owns(rsv_team_place place, size_t index, size_t bloc
     return index / block % place.size == place.rank;
 }
 
+/// How many of `count` items this process computes, where processes take turns item by item.
+static inline size_t rsv_team_turns(rsv_team_place place, size_t count)
+{
+    return count > place.rank ? (count - place.rank + place.size - 1) / place.size : 0;
+}
+
 /// Hands all items of `array` to all, each from its owner.
 void rsv_team_merge(
     rsv_context *context, void *array, size_t item_bytes, size_t count, size_t block);

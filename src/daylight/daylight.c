@@ -1,4 +1,4 @@
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "importance.h"
 
 #include <string.h>
@@ -65,19 +65,22 @@ typedef struct coefficient_job {
     const rsv_stored_noise *noise;
     const rsv_node_escapes *escapes;
     rsv_transport_map *map;
+    size_t first;               ///< sensor of the block
+    rsv_importance importance;  ///< of the block's sensors
+    rsv_patch_share *reflected; ///< [sensors of the block * patches.count]
     rsv_sensor_rays rays[RSV_SENSOR_BLOCK];
 } coefficient_job;
 
-static void trace_sensors(coefficient_job *job, size_t first, const rsv_importance *m)
+static void trace_sensors(void *data, rsv_span span)
 {
+    coefficient_job *job = data;
     rsv_daylight *d = job->daylight;
     size_t nodes = d->light->elements->node_count;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(d->context))
-    for (size_t f = 0; f < m->fields; f++) {
-        size_t s = first + f, at = s * d->patches.count;
-        job->rays[f] = (rsv_sensor_rays){
-            .straight = d->all + at, .bent = d->bent + at, .weight = m->weight + f * nodes
-        };
+    for (size_t f = span.begin; f < span.end; f++) {
+        size_t s = job->first + f, at = s * d->patches.count;
+        job->rays[f] = (rsv_sensor_rays){ .straight = d->all + at,
+            .bent = d->bent + at,
+            .weight = job->importance.weight + f * nodes };
         if (rsv_cancelled(d->context)) continue;
         rsv_sensor_rays_trace(d, job->noise, s, &job->rays[f]);
         d->stored_error[s] = job->rays[f].stored_error;
@@ -85,26 +88,33 @@ static void trace_sensors(coefficient_job *job, size_t first, const rsv_importan
     }
 }
 
+static void complete_sensors(void *data, rsv_span span)
+{
+    const coefficient_job *job = data;
+    const rsv_daylight *d = job->daylight;
+    for (size_t f = span.begin; f < span.end; f++) {
+        size_t at = (job->first + f) * d->patches.count;
+        rsv_patch_share *reflected = job->reflected + f * d->patches.count;
+        rsv_importance_add(&job->importance, job->escapes, f, &job->rays[f], reflected);
+        complete_sensor(d, d->all + at, d->bent + at, reflected);
+    }
+}
+
 static rsv_status find_block(coefficient_job *job, size_t first, size_t count)
 {
     rsv_daylight *d = job->daylight;
-    rsv_importance m = { 0 };
     rsv_status status;
-    rsv_patch_share *reflected = rsv_alloc(d->context, count * d->patches.count, sizeof *reflected);
-    RSV_TRY(reflected ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_importance_create(d, count, &m));
-    trace_sensors(job, first, &m);
-    RSV_TRY(rsv_importance_solve(d, job->map, &m));
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(d->context))
-    for (size_t f = 0; f < count; f++) {
-        size_t at = (first + f) * d->patches.count;
-        rsv_importance_add(&m, job->escapes, f, &job->rays[f], reflected + f * d->patches.count);
-        complete_sensor(d, d->all + at, d->bent + at, reflected + f * d->patches.count);
-    }
+    job->first = first;
+    job->reflected = rsv_alloc(d->context, count * d->patches.count, sizeof *job->reflected);
+    RSV_TRY(job->reflected ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_importance_create(d, count, &job->importance));
+    rsv_parallel_for(d->context, count, 1, trace_sensors, job);
+    RSV_TRY(rsv_importance_solve(d, job->map, &job->importance));
+    rsv_parallel_for(d->context, count, 1, complete_sensors, job);
     RSV_TRY(rsv_progress(d->context, "sky", 1));
 cleanup:
-    rsv_importance_destroy(d, &m);
-    rsv_free(d->context, reflected);
+    rsv_importance_destroy(d, &job->importance);
+    rsv_free(d->context, job->reflected);
     return status;
 }
 
@@ -112,7 +122,7 @@ static rsv_status find_coefficients(rsv_daylight *d)
 {
     rsv_stored_noise noise = { 0 };
     rsv_node_escapes escapes = { 0 };
-    coefficient_job job = { d, &noise, &escapes, NULL, { { 0 } } };
+    coefficient_job job = { .daylight = d, .noise = &noise, .escapes = &escapes };
     rsv_status status;
     RSV_TRY(rsv_stored_noise_create(d->light, false, &noise));
     RSV_TRY(rsv_node_escapes_find(d, &escapes));

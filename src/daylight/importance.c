@@ -1,5 +1,6 @@
 #include "importance.h"
 
+#include "../core/parallel.h"
 #include "../solve/goal.h"
 #include "../solver/linear_solver.h"
 
@@ -24,19 +25,32 @@ void rsv_importance_destroy(const rsv_daylight *d, rsv_importance *m)
     *m = (rsv_importance){ 0 };
 }
 
+/// Sensors whose weights are entered.
+typedef struct weight_job {
+    const rsv_operator_view *op;
+    const rsv_importance *importance;
+    _Atomic rsv_status result;
+} weight_job;
+
+static void enter_fields(void *data, rsv_span span)
+{
+    weight_job *job = data;
+    const rsv_importance *m = job->importance;
+    size_t nodes = job->op->elements->node_count;
+    for (size_t f = span.begin; f < span.end; f++) {
+        rsv_keep_failure(&job->result, rsv_goal_enter(job->op, m->weight + f * nodes));
+        for (size_t n = 0; n < nodes; n++)
+            m->source[n * m->fields + f] = m->worth[n * m->fields + f] = m->weight[f * nodes + n];
+    }
+}
+
 /// Sensors side by side; where light scatters below surfaces, the operator's scratch memory allows one at a time.
 static rsv_status enter_weights(
     const rsv_daylight *d, const rsv_operator_view *op, rsv_importance *m)
 {
-    size_t nodes = op->elements->node_count;
-    int threads = op->subsurface ? 1 : rsv_threads(d->context), failed = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : failed)
-    for (size_t f = 0; f < m->fields; f++) {
-        failed += rsv_goal_enter(op, m->weight + f * nodes) != RSV_OK;
-        for (size_t n = 0; n < nodes; n++)
-            m->source[n * m->fields + f] = m->worth[n * m->fields + f] = m->weight[f * nodes + n];
-    }
-    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+    weight_job job = { .op = op, .importance = m };
+    rsv_parallel_for(d->context, m->fields, op->subsurface ? m->fields : 1, enter_fields, &job);
+    return job.result;
 }
 
 rsv_status rsv_importance_solve(const rsv_daylight *d, rsv_transport_map *map, rsv_importance *m)

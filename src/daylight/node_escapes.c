@@ -1,5 +1,7 @@
 #include "node_rays.h"
 
+#include "../core/parallel.h"
+
 #include <string.h>
 
 #define BLOCK 64 ///< nodes that a thread takes at a time
@@ -32,28 +34,39 @@ static rsv_status collect(
     return RSV_OK;
 }
 
+/// All blocks of nodes.
+typedef struct escape_job {
+    rsv_node_job nodes;
+    rsv_block_escapes *block; ///< [block_count]
+    size_t block_count;
+    atomic_size_t done;
+} escape_job;
+
+static void trace_blocks(void *data, rsv_span span)
+{
+    escape_job *job = data;
+    rsv_context *context = job->nodes.daylight->context;
+    size_t nodes = job->nodes.op->elements->node_count;
+    for (size_t b = span.begin; b < span.end; b++) {
+        if (rsv_cancelled(context)) continue;
+        size_t end = (b + 1) * BLOCK < nodes ? (b + 1) * BLOCK : nodes;
+        rsv_node_rays_trace(&job->nodes, b * BLOCK, end, &job->block[b]);
+        size_t done = atomic_fetch_add(&job->done, 1) + 1;
+        if (span.worker == 0) rsv_progress(context, "sky", (double)done / (double)job->block_count);
+    }
+}
+
 rsv_status rsv_node_escapes_find(const rsv_daylight *d, rsv_node_escapes *escapes)
 {
     const rsv_operator_view *op = rsv_operator_get_view(d->light->op);
     uint32_t per_group = d->desc.node_rays / (RSV_NODE_PACKET * RSV_DAYLIGHT_GROUPS);
-    rsv_node_job job = { d, op, per_group > 1 ? per_group : 1 };
-    size_t block_count = (op->elements->node_count + BLOCK - 1) / BLOCK, done = 0;
+    size_t block_count = (op->elements->node_count + BLOCK - 1) / BLOCK;
     rsv_status status;
     *escapes = (rsv_node_escapes){ 0 };
     rsv_block_escapes *block = rsv_alloc(d->context, block_count, sizeof *block);
     if (!block) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(d->context))
-    for (size_t b = 0; b < block_count; b++) {
-        if (rsv_cancelled(d->context)) continue;
-        size_t end =
-            (b + 1) * BLOCK < op->elements->node_count ? (b + 1) * BLOCK : op->elements->node_count;
-        rsv_node_rays_trace(&job, b * BLOCK, end, &block[b]);
-        size_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(d->context, "sky", (double)finished / (double)block_count);
-    }
+    escape_job job = { { d, op, per_group > 1 ? per_group : 1 }, block, block_count, 0 };
+    rsv_parallel_for(d->context, block_count, 1, trace_blocks, &job);
     RSV_TRY(rsv_progress(d->context, "sky", 1));
     RSV_TRY(collect(d->context, block, block_count, escapes));
 cleanup:

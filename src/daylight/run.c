@@ -1,5 +1,5 @@
 /// A weather file's hours at all sensors.
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "figures.h"
 #include "shades.h"
 
@@ -17,9 +17,11 @@ typedef struct run_job {
     rsv_year year;
     uint8_t *down; ///< [lit_count] 1 = shades are down; NULL = there are none
     rsv_sensor_variants *figures;
+    rsv_share sensors;
+    _Atomic rsv_status result;
 } run_job;
 
-/// What one thread reads a sensor into.
+/// What one worker reads a sensor into.
 typedef struct sensor_scratch {
     rsv_sensor_readings readings;
     rsv_seen_patches seen;
@@ -85,20 +87,23 @@ static void read_sensor(const run_job *job, size_t sensor, sensor_scratch *s)
     if (job->desc->hourly) write_hours(d, &job->year, sensor, s, job->desc->hourly);
 }
 
-static bool read_sensors(const run_job *job)
+static void read_share(void *data, int worker)
 {
-    const rsv_daylight *d = job->daylight;
-    bool complete = true;
-#pragma omp parallel num_threads(rsv_threads(d->context)) reduction(&& : complete)
-    {
-        sensor_scratch s = { 0 };
-        complete = create_scratch(job, &s);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t k = 0; k < d->sensor_count; k++)
-            if (complete && !rsv_cancelled(d->context)) read_sensor(job, k, &s);
-        destroy_scratch(d->context, &s);
-    }
-    return complete;
+    run_job *job = data;
+    rsv_context *context = job->daylight->context;
+    sensor_scratch s = { 0 };
+    if (!create_scratch(job, &s)) rsv_keep_failure(&job->result, RSV_ERROR_MEMORY);
+    for (rsv_span span; job->result == RSV_OK && rsv_share_take(&job->sensors, worker, &span);)
+        if (!rsv_cancelled(context)) read_sensor(job, span.begin, &s);
+    destroy_scratch(context, &s);
+}
+
+static rsv_status read_sensors(run_job *job)
+{
+    size_t count = job->daylight->sensor_count;
+    job->sensors = rsv_share_of(count, 1);
+    rsv_parallel_workers(job->daylight->context, count, read_share, job);
+    return job->result;
 }
 
 static rsv_status lower_shades(run_job *job, rsv_daylight_report *report)
@@ -164,7 +169,7 @@ rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     value = rsv_alloc(d->context, d->sensor_count, sizeof *value);
     report->sensor = rsv_alloc(d->context, d->sensor_count, sizeof *report->sensor);
     RSV_TRY(job.figures && value && report->sensor ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(read_sensors(&job) ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(read_sensors(&job));
     RSV_TRY(rsv_progress(d->context, "year", 1));
     report_figures(d, &job.year, (const rsv_sensor_variants *)job.figures, value, report);
     RSV_TRY(find_room_figures(&job, value, report));

@@ -1,6 +1,6 @@
 #include "shades.h"
 
-#include "../core/core.h"
+#include "../core/parallel.h"
 
 rsv_status rsv_shades_check(const rsv_daylight *d, const rsv_daylight_run_desc *desc)
 {
@@ -26,6 +26,24 @@ static bool is_sunny(const rsv_daylight *d, const rsv_sensor_place *place, const
     return found >= needed;
 }
 
+/// Hours in which shades may go down.
+typedef struct shade_job {
+    const rsv_daylight *daylight;
+    const rsv_sensor_place *place; ///< [sensor_count]
+    const rsv_year *year;
+    const rsv_daylight_run_desc *desc;
+    uint8_t *down; ///< [lit_count] out
+} shade_job;
+
+static void judge_hours(void *data, rsv_span span)
+{
+    const shade_job *job = data;
+    const rsv_lit_hour *lit = job->year->lit;
+    for (size_t k = span.begin; k < span.end; k++)
+        if (lit[k].direct > 0 && !rsv_cancelled(job->daylight->context))
+            job->down[k] = is_sunny(job->daylight, job->place, &lit[k], job->desc);
+}
+
 rsv_status rsv_shades_lower(
     const rsv_daylight *d, const rsv_year *year, const rsv_daylight_run_desc *desc, uint8_t *down)
 {
@@ -33,10 +51,8 @@ rsv_status rsv_shades_lower(
     if (!place) return RSV_ERROR_MEMORY;
     for (size_t s = 0; s < d->sensor_count; s++)
         place[s] = rsv_sensor_place_of(d, s);
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(d->context))
-    for (size_t k = 0; k < year->lit_count; k++)
-        if (year->lit[k].direct > 0 && !rsv_cancelled(d->context))
-            down[k] = is_sunny(d, place, &year->lit[k], desc);
+    shade_job job = { d, place, year, desc, down };
+    rsv_parallel_for(d->context, year->lit_count, 16, judge_hours, &job);
     rsv_free(d->context, place);
     return rsv_progress(d->context, "shades", 1);
 }

@@ -1,6 +1,6 @@
 #include "year.h"
 
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "../core/sampling.h"
 
 #include <string.h>
@@ -77,6 +77,24 @@ static void fill_hour(const rsv_daylight *d, const patch_table *table, const rsv
     if (hour->direct > 0) spread_sun(d, table, sun.direction, hour);
 }
 
+/// Skies of the lit hours.
+typedef struct sky_job {
+    const rsv_daylight *daylight;
+    const patch_table *table;
+    const rsv_weather *weather;
+    const rsv_daylight_run_desc *desc;
+    const rsv_year *year;
+} sky_job;
+
+static void fill_hours(void *data, rsv_span span)
+{
+    const sky_job *job = data;
+    const rsv_year *year = job->year;
+    for (size_t k = span.begin; k < span.end; k++)
+        fill_hour(job->daylight, job->table, job->weather, job->desc, &year->lit[k],
+            year->luminance + k * job->daylight->patches.count);
+}
+
 /// Counts hours and picks those that have light.
 static void pick_lit(const rsv_weather *w, const rsv_daylight_run_desc *desc, rsv_year *year)
 {
@@ -111,9 +129,8 @@ rsv_status rsv_year_create(const rsv_daylight *d, const rsv_weather *weather,
     year->luminance =
         rsv_alloc(d->context, year->lit_count * d->patches.count, sizeof *year->luminance);
     RSV_TRY(year->luminance ? RSV_OK : RSV_ERROR_MEMORY);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(d->context))
-    for (size_t k = 0; k < year->lit_count; k++)
-        fill_hour(d, &table, weather, desc, &year->lit[k], year->luminance + k * d->patches.count);
+    sky_job job = { d, &table, weather, desc, year };
+    rsv_parallel_for(d->context, year->lit_count, 0, fill_hours, &job);
 cleanup:
     destroy_table(d->context, &table);
     return status;

@@ -1,5 +1,6 @@
 #include "direct.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "direct_device.h"
 #include "near_punctual.h"
@@ -134,24 +135,47 @@ static size_t list_nodes(
     return count;
 }
 
+/// Nodes that receive direct light.
+typedef struct node_job {
+    const rsv_direct_job *job;
+    const uint32_t *node; ///< [count]
+    size_t count;
+    rsv_direct_light *light;
+    atomic_uint_least64_t rays;
+    size_t done; ///< by worker 0
+} node_job;
+
+static void report_nodes(node_job *nodes)
+{
+    rsv_context *context = nodes->job->elements->context;
+    if ((++nodes->done & 1023) != 0) return;
+    size_t done = nodes->done * (size_t)rsv_threads(context);
+    rsv_progress(context, "direct", fmin((double)done / (double)nodes->count, 1));
+}
+
+static void light_nodes(void *data, rsv_span span)
+{
+    node_job *nodes = data;
+    const rsv_direct_light *light = nodes->light;
+    uint64_t traced = 0;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t node = nodes->node[k];
+        if (rsv_cancelled(nodes->job->elements->context)) break;
+        rsv_direct_estimate e = estimate(nodes->job, node);
+        traced += e.rays;
+        light->irradiance[node] = e.irradiance;
+        if (light->deviation) light->deviation[node] = e.deviation;
+        if (span.worker == 0) report_nodes(nodes);
+    }
+    atomic_fetch_add(&nodes->rays, traced);
+}
+
 static void estimate_nodes(
     const rsv_direct_job *job, const uint32_t *node, size_t count, rsv_direct_light *light)
 {
-    rsv_context *context = job->elements->context;
-    uint64_t traced = 0;
-    size_t done = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : traced)
-    for (size_t k = 0; k < count; k++) {
-        if (rsv_cancelled(context)) continue;
-        rsv_direct_estimate e = estimate(job, node[k]);
-        traced += e.rays;
-        light->irradiance[node[k]] = e.irradiance;
-        if (light->deviation) light->deviation[node[k]] = e.deviation;
-        if (rsv_thread_index() == 0 && (++done & 1023) == 0)
-            rsv_progress(context, "direct",
-                fmin((double)(done * (size_t)rsv_threads(context)) / (double)count, 1));
-    }
-    light->rays += traced;
+    node_job nodes = { .job = job, .node = node, .count = count, .light = light };
+    rsv_parallel_for(job->elements->context, count, 64, light_nodes, &nodes);
+    light->rays += nodes.rays;
 }
 
 rsv_status rsv_direct_irradiance(

@@ -51,6 +51,8 @@
 #define NODES_AT_A_TIME ((size_t)1 << 14)
 /// Photons that a thread takes at a time.
 #define PHOTONS_PER_CHUNK 4096
+/// Chunks per worker between two calls of a sink's `collect`.
+#define CHUNKS_PER_WAVE 4
 /// Photons of a device between two looks at the clock.
 #define PHOTONS_AT_A_TIME ((uint32_t)1 << 22)
 

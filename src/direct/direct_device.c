@@ -1,5 +1,6 @@
 #include "direct_device.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../trace/hierarchy.h"
 #include "direct_constants.h"
@@ -73,18 +74,33 @@ static void close_device(direct_device *d)
 
 // ---- nodes --------------------------------------------------------------------------------------
 
+/// Nodes whose receivers are set up.
+typedef struct receiver_job {
+    const direct_device *d;
+    const uint32_t *node;
+    bool preview; ///< from few points
+} receiver_job;
+
+static void set_up_receivers(void *data, rsv_span span)
+{
+    const receiver_job *r = data;
+    const rsv_direct_job *job = r->d->job;
+    for (size_t k = span.begin; k < span.end; k++) {
+        uint32_t node = r->node[k];
+        uint32_t valid =
+            r->preview ? rsv_direct_preview_points(job, node) : job->valid_points[node];
+        rsv_direct_receive(job, node, valid, &r->d->receivers[k]);
+    }
+}
+
 /// @param preview from few points
 static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count, bool preview)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     const rsv_direct_job *job = d->job;
     rsv_direct_rays rays = preview ? rsv_direct_preview_rays(job) : rsv_direct_look_rays(job);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(d->context))
-    for (size_t k = 0; k < count; k++) {
-        uint32_t valid =
-            preview ? rsv_direct_preview_points(job, node[k]) : job->valid_points[node[k]];
-        rsv_direct_receive(job, node[k], valid, &d->receivers[k]);
-    }
+    receiver_job receivers = { d, node, preview };
+    rsv_parallel_for(d->context, count, 64, set_up_receivers, &receivers);
     rsv_status status =
         d->table->estimate(d->direct, d->receivers, (uint32_t)count, rays, d->estimate, message);
     if (status == RSV_OK) return RSV_OK;

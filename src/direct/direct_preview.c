@@ -1,5 +1,6 @@
 #include "direct_preview.h"
 
+#include "../core/parallel.h"
 #include "../receiver/next_event.h"
 #include "../sources/light_pattern.h"
 #include "../trace/packet.h"
@@ -24,7 +25,9 @@ typedef struct preview_job {
     rsv_preview_polygon polygon[RSV_PATTERN_POLYGONS];
     rsv_rgb radiance[RSV_PATTERN_POLYGONS];
     rsv_preview_places
-        turn[TURNS]; ///< in TURNS packets every point has seen as many places, every node all
+        turn[TURNS];     ///< in TURNS packets every point has seen as many places, every node all
+    rsv_rgb *irradiance; ///< [node_count] out
+    atomic_uint_least64_t rays;
 } preview_job;
 
 bool rsv_can_preview(const rsv_lights *lights)
@@ -260,8 +263,7 @@ static uint64_t look_on(const preview_job *job, block_look *look)
 }
 
 /// Notes what the rays of a block's nodes brought. Irradiance is that without occlusion for now.
-static void note_block(
-    const preview_job *job, size_t index, const block_look *look, rsv_rgb *irradiance)
+static void note_block(const preview_job *job, size_t index, const block_look *look)
 {
     const rsv_receiver_block *block = &job->blocks->block[index];
     bool partial = !see_alike(look->passed, look->sent);
@@ -279,14 +281,14 @@ static void note_block(
         all.visible = rgb_mad(all.visible, 1.0f / NODES, sums[n].visible);
     }
     for (uint32_t n = 0; n < NODES && block->node[n] != RSV_NONE; n++) {
-        irradiance[block->node[n]] = look->unshadowed[n];
+        job->irradiance[block->node[n]] = look->unshadowed[n];
         // a node whose places all look away goes by its neighbours
         job->blocks->sums[block->node[n]] = rgb_is_black(sums[n].open) ? all : sums[n];
         if (partial) rsv_preview_mark_edge(job->blocks, block->node[n]);
     }
 }
 
-/// What a thread works with.
+/// What a worker works with.
 typedef struct group_look {
     block_look block[GROUP];
     rsv_ray_packet first; ///< one ray of each node
@@ -300,8 +302,7 @@ static void clear_group(group_look *group)
 }
 
 /// @return how many rays
-static uint64_t light_group(
-    const preview_job *job, size_t first, group_look *group, rsv_rgb *irradiance)
+static uint64_t light_group(const preview_job *job, size_t first, group_look *group)
 {
     size_t left = job->blocks->block_count - first, count = left < GROUP ? left : GROUP;
     for (size_t g = 0; g < GROUP; g++) {
@@ -311,9 +312,27 @@ static uint64_t light_group(
     uint64_t rays = look_first(job, group->block, &group->first);
     for (size_t g = 0; g < count; g++) {
         rays += look_on(job, &group->block[g]);
-        note_block(job, first + g, &group->block[g], irradiance);
+        note_block(job, first + g, &group->block[g]);
     }
     return rays;
+}
+
+static void light_groups(void *data, rsv_span span)
+{
+    preview_job *job = data;
+    group_look group;
+    uint64_t traced = 0;
+    clear_group(&group);
+    for (size_t g = span.begin; g < span.end; g++)
+        traced += light_group(job, g * GROUP, &group);
+    atomic_fetch_add(&job->rays, traced);
+}
+
+static void share_blocks(void *data, rsv_span span)
+{
+    const rsv_receiver_blocks *b = ((const preview_job *)data)->blocks;
+    for (size_t k = span.begin; k < span.end; k++)
+        rsv_preview_share(b, &b->block[k]);
 }
 
 // ---- punctual lights --------------------------------------------------------------------------------
@@ -341,7 +360,7 @@ static rsv_rgb aim_at_light(const preview_job *job, const rsv_receiver_block *bl
 }
 
 static uint64_t light_by_light(
-    const preview_job *job, const rsv_receiver_block *block, uint32_t light, rsv_rgb *irradiance)
+    const preview_job *job, const rsv_receiver_block *block, uint32_t light)
 {
     rsv_ray_packet packet;
     rsv_rgb arriving[LANES];
@@ -359,11 +378,25 @@ static uint64_t light_by_light(
             rsv_rgb light_in = passed[k] > 0 ? rgb_scale(arriving[k], passed[k]) : rgb_gray(0);
             value[0][k] = light_in.r, value[1][k] = light_in.g, value[2][k] = light_in.b;
         }
-        rsv_rgb *e = &irradiance[block->node[n]];
+        rsv_rgb *e = &job->irradiance[block->node[n]];
         *e = rgb_add(*e, rgb(mean_of(block, n, value[0]), mean_of(block, n, value[1]),
                              mean_of(block, n, value[2])));
     }
     return (uint64_t)__builtin_popcount(sent);
+}
+
+/// Shadows of the pattern's source, and the punctual lights.
+static void finish_blocks(void *data, rsv_span span)
+{
+    preview_job *job = data;
+    const rsv_receiver_blocks *b = job->blocks;
+    uint64_t traced = 0;
+    for (size_t k = span.begin; k < span.end; k++) {
+        if (job->pattern.any) rsv_preview_shadow(b, &b->block[k], job->irradiance);
+        for (uint32_t l = 0; l < rsv_punctual_count(job->lights); l++)
+            traced += light_by_light(job, &b->block[k], l);
+    }
+    atomic_fetch_add(&job->rays, traced);
 }
 
 // ---- the whole --------------------------------------------------------------------------------------
@@ -372,29 +405,17 @@ rsv_status rsv_direct_preview(const rsv_receiver_blocks *blocks, const rsv_light
     rsv_rgb *irradiance, uint64_t *rays)
 {
     rsv_context *context = blocks->context;
-    preview_job job = { .blocks = blocks, .lights = lights };
-    uint64_t traced = 0;
+    preview_job job = { .blocks = blocks, .lights = lights, .irradiance = irradiance };
+    size_t count = blocks->block_count, groups = (count + GROUP - 1) / GROUP;
     set_up(&job);
     memset(blocks->edge, 0, blocks->elements->node_count);
     for (size_t n = 0; n < blocks->elements->node_count; n++)
         if (blocks->held[n]) irradiance[n] = rgb_gray(0);
-#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : traced)
-    {
-        group_look group;
-        clear_group(&group);
-#pragma omp for schedule(dynamic, 16)
-        for (size_t k = 0; k < blocks->block_count; k += GROUP)
-            if (job.pattern.any) traced += light_group(&job, k, &group, irradiance);
-#pragma omp for schedule(dynamic, 256)
-        for (size_t k = 0; k < blocks->block_count; k++)
-            if (job.pattern.any) rsv_preview_share(blocks, &blocks->block[k]);
-#pragma omp for schedule(dynamic, 256)
-        for (size_t k = 0; k < blocks->block_count; k++) {
-            if (job.pattern.any) rsv_preview_shadow(blocks, &blocks->block[k], irradiance);
-            for (uint32_t l = 0; l < rsv_punctual_count(lights); l++)
-                traced += light_by_light(&job, &blocks->block[k], l, irradiance);
-        }
+    if (job.pattern.any) {
+        rsv_parallel_for(context, groups, 16, light_groups, &job);
+        rsv_parallel_for(context, count, 256, share_blocks, &job);
     }
-    *rays += traced;
+    rsv_parallel_for(context, count, 256, finish_blocks, &job);
+    *rays += job.rays;
     return rsv_progress(context, "direct", 1);
 }

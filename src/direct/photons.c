@@ -1,5 +1,6 @@
 #include "photons.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "direct_constants.h"
 #include "shooting_device.h"
@@ -41,41 +42,50 @@ static float worth(const photon_job *job, rsv_specular_path *path, rsv_random *r
     return f_min(level, 1) * (wanted ? 1 : RSV_UNWANTED_PHOTON);
 }
 
-static void pilot_bin(const photon_job *job, const rsv_photon_source *source, uint32_t id,
-    const rsv_guide_grid *grid, int bin, float *useful)
+/// A round of pilot rays from one source.
+typedef struct pilot_job {
+    const photon_job *job;
+    const rsv_photon_source *source;
+    uint32_t id;
+    rsv_guide_grid grid;
+    float *useful; ///< [bins] out
+} pilot_job;
+
+static void pilot_bin(const pilot_job *pilot, int bin)
 {
-    rsv_random random = rsv_pilot_numbers(&job->shooting, id, bin);
-    useful[bin] = 0;
+    const rsv_shooting *shooting = &pilot->job->shooting;
+    rsv_random random = rsv_pilot_numbers(shooting, pilot->id, bin);
+    float useful = 0;
     for (int k = 0; k < RSV_GUIDE_RAYS; k++) {
         rsv_specular_path path;
-        if (rsv_photon_pilot(&job->shooting, source, grid, bin, &random, &path))
-            useful[bin] += worth(job, &path, &random);
+        if (rsv_photon_pilot(shooting, pilot->source, &pilot->grid, bin, &random, &path))
+            useful += worth(pilot->job, &path, &random);
     }
+    pilot->useful[bin] = useful;
 }
 
-static void pilot(const photon_job *job, const rsv_photon_source *source, uint32_t id,
-    const rsv_guide_grid *grid, float *useful)
+static void pilot_bins(void *data, rsv_span span)
 {
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(job->lights->context))
-    for (int bin = 0; bin < RSV_GUIDE_SIDE * RSV_GUIDE_SIDE; bin++)
-        pilot_bin(job, source, id, grid, bin, useful);
+    const pilot_job *pilot = data;
+    for (size_t bin = span.begin; bin < span.end; bin++)
+        pilot_bin(pilot, (int)bin);
 }
 
 static rsv_status create_guide(
     const photon_job *job, rsv_photon_source *source, uint32_t id, uint64_t *rays)
 {
     rsv_context *context = job->lights->context;
-    const int bins = RSV_GUIDE_SIDE * RSV_GUIDE_SIDE;
-    rsv_guide_grid grid = rsv_guide_grid_even();
-    float *useful = rsv_alloc(context, (size_t)bins, sizeof *useful);
-    if (!useful) return RSV_ERROR_MEMORY;
+    const size_t bins = RSV_GUIDE_SIDE * RSV_GUIDE_SIDE;
+    pilot_job pilot = { job, source, id, rsv_guide_grid_even(), NULL };
+    pilot.useful = rsv_alloc(context, bins, sizeof *pilot.useful);
+    if (!pilot.useful) return RSV_ERROR_MEMORY;
     uint64_t rounds = 1;
-    pilot(job, source, id, &grid, useful);
-    for (; rounds < MOST_PILOTS && rsv_guide_grid_zoom(&grid, useful); rounds++)
-        pilot(job, source, id, &grid, useful);
+    rsv_parallel_for(context, bins, 64, pilot_bins, &pilot);
+    for (; rounds < MOST_PILOTS && rsv_guide_grid_zoom(&pilot.grid, pilot.useful); rounds++)
+        rsv_parallel_for(context, bins, 64, pilot_bins, &pilot);
     *rays += rounds * (uint64_t)bins * RSV_GUIDE_RAYS;
-    rsv_status status = rsv_photon_guide_create(context, &grid, useful, &source->guide);
-    rsv_free(context, useful);
+    rsv_status status = rsv_photon_guide_create(context, &pilot.grid, pilot.useful, &source->guide);
+    rsv_free(context, pilot.useful);
     return status;
 }
 
@@ -130,40 +140,81 @@ static void cross_air(void *user, const rsv_ray *ray, rsv_rgb weight)
     way->sink->cross(way->sink->user, ray, rgb_mul(way->photon->flux, weight));
 }
 
-static uint64_t shoot_one(const photon_job *job, uint32_t id, uint32_t index, uint32_t count)
+/// The photons of one source, in chunks.
+typedef struct source_job {
+    const photon_job *job;
+    uint32_t id, count;
+    double done, share; ///< of all work: before this source, and of it
+    size_t chunks;      ///< of this process
+    size_t first;       ///< chunk of the wave that is traced
+    atomic_uint_least64_t rays;
+} source_job;
+
+static uint64_t shoot_one(const source_job *s, size_t slot, uint32_t index)
 {
+    const photon_job *job = s->job;
     rsv_photon photon;
     air_way way = { job->sink, &photon };
     const rsv_fog_witness witness = { &way, cross_air };
     const rsv_fog_witness *air = job->sink->cross ? &witness : NULL;
-    if (!rsv_photon_begin(&job->shooting, &job->source[id], id, index, count, &photon)) return 1;
+    if (!rsv_photon_begin(&job->shooting, &job->source[s->id], s->id, index, s->count, &photon))
+        return 1;
     while (rsv_photon_scatter(job->scene, &photon.path, &photon.level, &photon.random, air))
-        job->sink->land(job->sink->user, &photon.path, rgb_mul(photon.flux, photon.path.weight));
+        job->sink->land(
+            job->sink->user, slot, &photon.path, rgb_mul(photon.flux, photon.path.weight));
     return 1 + photon.path.rays;
 }
 
-static rsv_status shoot_source(const photon_job *job, const rsv_photon_source *source, uint32_t id,
-    uint32_t count, double done, uint64_t *rays)
+/// The processes of a team take turns with chunks.
+static uint64_t shoot_chunk(const source_job *s, size_t slot)
+{
+    const rsv_team_place *place = &s->job->place;
+    size_t begin = ((s->first + slot) * place->size + place->rank) * PHOTONS_PER_CHUNK;
+    size_t end = begin + PHOTONS_PER_CHUNK < s->count ? begin + PHOTONS_PER_CHUNK : s->count;
+    uint64_t traced = 0;
+    for (size_t i = begin; i < end; i++)
+        traced += shoot_one(s, slot, (uint32_t)i);
+    return traced;
+}
+
+static void shoot_chunks(void *data, rsv_span span)
+{
+    source_job *s = data;
+    rsv_context *context = s->job->lights->context;
+    for (size_t slot = span.begin; slot < span.end && !rsv_cancelled(context); slot++) {
+        atomic_fetch_add(&s->rays, shoot_chunk(s, slot));
+        double part = (double)(s->first + slot) / (double)s->chunks;
+        if (span.worker == 0) rsv_progress(context, "caustics", s->done + s->share * part);
+    }
+}
+
+static size_t chunks_of(const photon_job *job, uint32_t count)
+{
+    size_t all = ((size_t)count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK;
+    return all > job->place.rank ? (all - job->place.rank - 1) / job->place.size + 1 : 0;
+}
+
+size_t rsv_photon_slots(const rsv_context *context)
+{
+    return CHUNKS_PER_WAVE * (size_t)rsv_threads(context);
+}
+
+static rsv_status shoot_source(
+    const photon_job *job, uint32_t id, uint32_t count, double done, uint64_t *rays)
 {
     rsv_context *context = job->lights->context;
-    uint64_t traced = 0;
-    uint32_t chunks = (count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK;
-#pragma omp parallel for ordered schedule(dynamic, 1) num_threads(rsv_threads(context))            \
-    reduction(+ : traced)
-    for (uint32_t chunk = job->place.rank; chunk < chunks; chunk += job->place.size) {
-        if (rsv_cancelled(context)) continue;
-        uint32_t begin = chunk * PHOTONS_PER_CHUNK, end = begin + PHOTONS_PER_CHUNK;
-        for (uint32_t i = begin; i < (end < count ? end : count); i++)
-            traced += shoot_one(job, id, i, count);
-#pragma omp ordered
-        {
-            if (job->sink->collect) job->sink->collect(job->sink->user);
-        }
-        if (rsv_thread_index() == 0)
-            rsv_progress(context, "caustics", done + source->share * chunk / chunks);
+    const rsv_photon_sink *sink = job->sink;
+    source_job s = { .job = job, .id = id, .count = count, .done = done };
+    s.share = job->source[id].share;
+    s.chunks = chunks_of(job, count);
+    size_t most = sink->collect ? rsv_photon_slots(context) : s.chunks;
+    for (; s.first < s.chunks && !rsv_cancelled(context); s.first += most) {
+        size_t left = s.chunks - s.first, slots = left < most ? left : most;
+        rsv_parallel_for(context, slots, 1, shoot_chunks, &s);
+        if (sink->collect) sink->collect(sink->user, slots);
     }
-    *rays += job->place.size > 1 ? rsv_team_total(context, traced) : traced;
-    return rsv_progress(context, "caustics", fmin(done + source->share, 1));
+    *rays += job->place.size > 1 ? rsv_team_total(context, s.rays) : s.rays;
+    return rsv_progress(context, "caustics", fmin(done + s.share, 1));
 }
 
 static double total_flux(const photon_job *job)
@@ -180,7 +231,7 @@ static rsv_status shoot_all(const photon_job *job, uint32_t count, uint64_t *ray
     double done = 0;
     for (size_t s = 0; s < job->source_count; s++) {
         uint32_t share = rsv_photons_of_source(&job->source[s], count);
-        if (share) RSV_TRY(shoot_source(job, &job->source[s], (uint32_t)s, share, done, rays));
+        if (share) RSV_TRY(shoot_source(job, (uint32_t)s, share, done, rays));
         done += job->source[s].share;
     }
 cleanup:
@@ -249,9 +300,10 @@ typedef struct map_set {
     const rsv_photon_targets *targets;
 } map_set;
 
-static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
+static void deposit(void *user, size_t slot, const rsv_specular_path *path, rsv_rgb flux)
 {
     const map_set *maps = user;
+    (void)slot; // sums of whole numbers are the same in any order
     rsv_photon_land(maps->scene, path, flux, maps->targets->map, maps->targets->count);
 }
 

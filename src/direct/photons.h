@@ -14,16 +14,20 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 /// What becomes of photons. It is told of every surface that one reaches after a specular event.
 typedef struct rsv_photon_sink {
     void *user;
-    /// Several threads may call it. @param flux W
-    void (*land)(void *user, const rsv_specular_path *path, rsv_rgb flux);
-    /// NULL, or called after every few photons by the thread that traced them, in an order that does not depend on
-    /// the threads, one at a time.
-    void (*collect)(void *user);
+    /// Several threads may call it. @param slot whose photons these are: one thread at a time works for a slot, in an order
+    /// that does not depend on the number of threads; below rsv_photon_slots @param flux W
+    void (*land)(void *user, size_t slot, const rsv_specular_path *path, rsv_rgb flux);
+    /// NULL, or called by the calling thread once all slots have had a few photons, and again after the next ones.
+    /// @param slots how many had some: to be merged in ascending order
+    void (*collect)(void *user, size_t slots);
     /// NULL, or whether a photon that lands there is of any use, as far as is known: most go where many are.
     bool (*wants)(void *user, const rsv_specular_path *path);
     /// NULL, or told of every segment through fog after a specular event, as `land` is. @param flux W, where the ray begins
     void (*cross)(void *user, const rsv_ray *ray, rsv_rgb flux);
 } rsv_photon_sink;
+
+/// Slots that sinks with `collect` have to serve.
+size_t rsv_photon_slots(const rsv_context *context);
 
 /// Shoots `count` light paths, guided towards directions in which each source sees specular surfaces that pass its
 /// light on. Unbiased: the guide never excludes a direction.

@@ -1,13 +1,14 @@
 #include "preview_sharing.h"
 
+#include <stdatomic.h>
+
 void rsv_preview_mark_edge(const rsv_receiver_blocks *b, uint32_t node)
 {
     const rsv_elements *e = b->elements;
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
         for (int k = 0; k < 3; k++) {
-            uint8_t *edge = &b->edge[e->cell_node[e->support[s] / 4][k]];
-#pragma omp atomic write
-            *edge = 1;
+            uint32_t corner = e->cell_node[e->support[s] / 4][k];
+            atomic_store_explicit(&b->edge[corner], 1, memory_order_relaxed);
         }
 }
 

@@ -1,6 +1,7 @@
 #include "receiver_blocks.h"
 
 #include "../core/morton.h"
+#include "../core/parallel.h"
 #include "../receiver/receiver.h"
 #include "../trace/packet.h"
 #include "direct_receiver.h"
@@ -18,6 +19,7 @@ typedef struct builder {
     rsv_receiver_blocks *b;
     uint32_t points, seed;
     const uint16_t *valid_points;
+    const bool *moves; ///< [material_count]
     rsv_vec3 low;
     float scale; ///< 1 / the longest side of the box of all
     curve_place *place;
@@ -90,25 +92,32 @@ static void measure_scene(builder *w)
     w->scale = side > 0 ? 1 / side : 0;
 }
 
-/// Lists the nodes that are to be held, in order.
-static rsv_status sort_nodes(builder *w, const bool *moves)
+/// Decides which nodes are to be held, and where they lie on the curve.
+static void place_nodes(void *data, rsv_span span)
 {
-    rsv_receiver_blocks *b = w->b;
-    size_t nodes = rsv_elements_surface_nodes(b->elements);
-    w->place = rsv_alloc(b->context, nodes, sizeof *w->place);
-    if (!w->place) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
-    for (size_t node = 0; node < nodes; node++) {
+    const builder *w = data;
+    const rsv_receiver_blocks *b = w->b;
+    for (size_t node = span.begin; node < span.end; node++) {
         rsv_support_point sample[RSV_SUPPORT_POINTS];
         rsv_receiver receiver[RSV_BLOCK_POINTS];
         w->place[node] = (curve_place){ UINT64_MAX, (uint32_t)node };
         b->held[node] = !w->valid_points[node];
-        if (b->held[node] || moves[material_of(b, (uint32_t)node)]) continue;
+        if (b->held[node] || w->moves[material_of(b, (uint32_t)node)]) continue;
         find_points(w, (uint32_t)node, sample, receiver);
         const rsv_surface_point *first = &receiver[0].point;
         b->held[node] = !absorbs(b->scene, &receiver[0]);
         if (b->held[node]) w->place[node].key = curve_key(w, first->position, first->geometric);
     }
+}
+
+/// Lists the nodes that are to be held, in order.
+static rsv_status sort_nodes(builder *w)
+{
+    rsv_receiver_blocks *b = w->b;
+    size_t nodes = rsv_elements_surface_nodes(b->elements);
+    w->place = rsv_alloc(b->context, nodes, sizeof *w->place);
+    if (!w->place) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(b->context, nodes, 256, place_nodes, w);
     b->holds_all = nodes == b->elements->node_count;
     for (size_t node = 0; node < nodes; node++) {
         b->holds_all = b->holds_all && b->held[node];
@@ -167,6 +176,12 @@ static void fill_block(const builder *w, size_t index)
     }
 }
 
+static void fill_blocks(void *data, rsv_span span)
+{
+    for (size_t k = span.begin; k < span.end; k++)
+        fill_block(data, k);
+}
+
 static bool any_coated(const rsv_transport_scene *scene)
 {
     for (size_t m = 0; m < scene->view->material_count; m++)
@@ -183,11 +198,15 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     rsv_receiver_blocks *b = rsv_alloc(context, 1, sizeof *b);
     if (!b) return RSV_ERROR_MEMORY;
     *b = (rsv_receiver_blocks){ .context = context, .scene = scene, .elements = elements };
-    builder w = { .b = b, .points = draw.points, .seed = draw.seed, .valid_points = valid_points };
+    builder w = { .b = b,
+        .points = draw.points,
+        .seed = draw.seed,
+        .valid_points = valid_points,
+        .moves = moves };
     b->held = rsv_alloc(context, elements->node_count, sizeof *b->held);
     RSV_TRY(b->held ? RSV_OK : RSV_ERROR_MEMORY);
     measure_scene(&w);
-    RSV_TRY(sort_nodes(&w, moves));
+    RSV_TRY(sort_nodes(&w));
     b->block_count = (w.count + RSV_BLOCK_NODES - 1) / RSV_BLOCK_NODES;
     b->block = rsv_alloc(context, b->block_count, sizeof *b->block);
     b->edge = rsv_alloc(context, elements->node_count, sizeof *b->edge);
@@ -198,9 +217,7 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
         b->entry = rsv_alloc(context, b->block_count * RSV_BLOCK_NODES, sizeof *b->entry);
         RSV_TRY(b->entry ? RSV_OK : RSV_ERROR_MEMORY);
     }
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < b->block_count; k++)
-        fill_block(&w, k);
+    rsv_parallel_for(context, b->block_count, 64, fill_blocks, &w);
     *blocks = b;
     b = NULL;
 cleanup:

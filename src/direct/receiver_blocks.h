@@ -35,8 +35,8 @@ typedef struct rsv_receiver_blocks {
     uint8_t *held;            ///< [node_count] non-zero = in a block, or receives nothing
     bool holds_all;
     rsv_preview_sums *sums,
-        *spread;   ///< [node_count] of the last preview, of nodes and of those around them
-    uint8_t *edge; ///< [node_count] likewise, non-zero = a shadow ended there or beside
+        *spread;           ///< [node_count] of the last preview, of nodes and of those around them
+    _Atomic uint8_t *edge; ///< [node_count] likewise, non-zero = a shadow ended there or beside
 } rsv_receiver_blocks;
 
 /// @param scene, elements borrowed

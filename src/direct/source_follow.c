@@ -1,5 +1,6 @@
 /// Levels of direct light and caustics whose surfaces move. Elements stay: light is sampled again at nodes that a motion may
 /// have hidden from a source, or shown to it, and cells are split further where new shadows end.
+#include "../core/parallel.h"
 #include "../update/moved_elements.h"
 #include "direct_constants.h"
 #include "source_level_internal.h"
@@ -9,8 +10,9 @@
 typedef struct level_follower {
     rsv_level_builder b;
     const rsv_level_motion *motion;
-    uint8_t *changed; ///< [cell_count] 1 = light may be another there
-    uint8_t *anew;    ///< [node_count] 1 = the node receives light elsewhere
+    uint8_t *changed;        ///< [cell_count] 1 = light may be another there
+    uint8_t *coarse_changed; ///< [coarse cell_count] likewise
+    uint8_t *anew;           ///< [node_count] 1 = the node receives light elsewhere
 } level_follower;
 
 /// Elements that nobody else holds, and their fields.
@@ -45,23 +47,27 @@ static rsv_status move_elements(level_follower *f)
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
 }
 
+static void judge_cells(void *data, rsv_span span)
+{
+    const level_follower *f = data;
+    const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
+                        (f->coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
+                            rsv_light_shafts_meet(f->motion->shafts, e, c));
+}
+
 /// Cells where light may be another: looked for in coarse cells where it may be.
 static rsv_status find_changed(level_follower *f)
 {
-    const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
-    uint8_t *coarse_changed = NULL;
-    const rsv_light_shafts *shafts = f->motion->shafts;
+    const rsv_elements *e = f->b.elements;
     rsv_status status;
     f->changed = rsv_alloc(e->context, e->cell_count, 1);
     RSV_TRY(f->changed ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_light_shafts_find_changed(shafts, coarse, &coarse_changed));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
-                        (coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
-                            rsv_light_shafts_meet(shafts, e, c));
+    RSV_TRY(rsv_light_shafts_find_changed(f->motion->shafts, f->b.coarse, &f->coarse_changed));
+    rsv_parallel_for(e->context, e->cell_count, 256, judge_cells, f);
 cleanup:
-    rsv_free(e->context, coarse_changed);
+    rsv_free(e->context, f->coarse_changed);
     return status;
 }
 

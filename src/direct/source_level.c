@@ -1,5 +1,6 @@
 #include "source_level_internal.h"
 
+#include "../core/parallel.h"
 #include "../elements/burial.h"
 #include "../elements/contact.h"
 #include "../elements/curvature.h"
@@ -11,12 +12,21 @@
 
 #include <string.h>
 
+/// Nodes of a level, and what is known of the one that it refines.
+typedef struct node_job {
+    rsv_level_builder *b;
+    const rsv_earlier_level *earlier;
+    uint8_t *skip; ///< [node_count] out, of skip_broken()
+} node_job;
+
 /// Takes over what is known of nodes whose surroundings did not change.
-static void carry_over(rsv_level_builder *b, const rsv_earlier_level *earlier)
+static void carry_over(void *data, rsv_span span)
 {
+    const node_job *job = data;
+    rsv_level_builder *b = job->b;
+    const rsv_earlier_level *earlier = job->earlier;
     const rsv_elements *e = b->elements;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
+    for (size_t n = span.begin; n < span.end; n++) {
         uint32_t twin = rsv_elements_find_twin(e, (uint32_t)n, earlier->elements);
         if (twin == RSV_NONE || earlier->elements->node_hanging[twin] != RSV_NONE ||
             e->node_hanging[n] != RSV_NONE)
@@ -54,7 +64,8 @@ rsv_status rsv_level_prepare(rsv_level_builder *b, const rsv_earlier_level *earl
         b->scene, earlier ? earlier->elements : b->coarse, e, b->rays));
     RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
     RSV_TRY(allocate_fields(b));
-    if (earlier) carry_over(b, earlier);
+    node_job job = { b, earlier, NULL };
+    if (earlier) rsv_parallel_for(e->context, e->node_count, 0, carry_over, &job);
     const rsv_kept_light_fields fields = { b->direct, b->deviation, b->valid_points,
         RSV_LEVEL_POINTS, b->known, b->lit };
     if (b->kept)
@@ -96,6 +107,15 @@ static bool is_unbroken(const rsv_elements *e, uint32_t node, const rsv_earlier_
            0;
 }
 
+/// Of the fresh nodes, those where shadows may end are left for later.
+static void skip_broken(void *data, rsv_span span)
+{
+    const node_job *job = data;
+    const rsv_level_builder *b = job->b;
+    for (size_t n = span.begin; n < span.end; n++)
+        job->skip[n] = b->lit[n] || !is_unbroken(b->elements, (uint32_t)n, job->earlier);
+}
+
 /// Estimates direct light at fresh nodes, with more samples where shadows may end.
 rsv_status rsv_level_estimate_fresh(rsv_level_builder *b, const rsv_earlier_level *earlier)
 {
@@ -104,9 +124,8 @@ rsv_status rsv_level_estimate_fresh(rsv_level_builder *b, const rsv_earlier_leve
     rsv_status status;
     uint8_t *skip = rsv_alloc(e->context, e->node_count, 1);
     if (!skip) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++)
-        skip[n] = b->lit[n] || !is_unbroken(e, (uint32_t)n, earlier);
+    node_job job = { b, earlier, skip };
+    rsv_parallel_for(e->context, e->node_count, 0, skip_broken, &job);
     RSV_TRY(rsv_level_estimate(b, samples, skip));
     for (size_t n = 0; n < e->node_count; n++)
         skip[n] = b->lit[n] || !skip[n];

@@ -1,5 +1,6 @@
 #include "voxel_direct.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../elements/voxels.h"
 #include "../media/fog_run.h"
@@ -9,6 +10,8 @@
 typedef struct air_job {
     const rsv_direct_job *job;
     rsv_voxel_air air;
+    rsv_rgb *own; ///< [voxels] out
+    atomic_uint_least64_t rays;
 } air_job;
 
 // ---- point and spot lights close by ---------------------------------------------------------------
@@ -149,17 +152,25 @@ static rsv_rgb estimate(const air_job *a, uint32_t voxel, uint64_t *rays)
     return rgb_scale(sum, 0.25f);
 }
 
-static void estimate_all(const air_job *a, rsv_rgb *own, uint64_t *rays)
+static void light_voxels(void *data, rsv_span span)
 {
+    air_job *a = data;
     rsv_context *context = a->job->elements->context;
     rsv_team_place place = rsv_team_place_of(context);
     uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : traced)
-    for (size_t k = 0; k < a->air.voxels->count; k++)
+    for (size_t k = span.begin; k < span.end; k++)
         if (rsv_team_owns(place, k, RSV_TEAM_BLOCK) && !rsv_cancelled(context))
-            own[k] = estimate(a, (uint32_t)k, &traced);
-    *rays += rsv_team_total(context, traced);
-    rsv_team_merge(context, own, sizeof *own, a->air.voxels->count, RSV_TEAM_BLOCK);
+            a->own[k] = estimate(a, (uint32_t)k, &traced);
+    atomic_fetch_add(&a->rays, traced);
+}
+
+static void estimate_all(air_job *a, uint64_t *rays)
+{
+    rsv_context *context = a->job->elements->context;
+    size_t count = a->air.voxels->count;
+    rsv_parallel_for(context, count, 64, light_voxels, a);
+    *rays += rsv_team_total(context, a->rays);
+    rsv_team_merge(context, a->own, sizeof *a->own, count, RSV_TEAM_BLOCK);
 }
 
 rsv_status rsv_voxel_direct(const rsv_direct_job *job, rsv_rgb *irradiance, uint64_t *rays)
@@ -167,9 +178,10 @@ rsv_status rsv_voxel_direct(const rsv_direct_job *job, rsv_rgb *irradiance, uint
     const rsv_elements *e = job->elements;
     rsv_fog_lights lights;
     rsv_status status = rsv_fog_lights_create(e->context, job->setting.lights, &lights);
-    const air_job a = { job,
-        { e->voxels, { &lights, job->scene->tracer, job->scene->view->fog } } };
-    if (status == RSV_OK) estimate_all(&a, irradiance + rsv_elements_surface_nodes(e), rays);
+    air_job a = { .job = job,
+        .air = { e->voxels, { &lights, job->scene->tracer, job->scene->view->fog } },
+        .own = irradiance + rsv_elements_surface_nodes(e) };
+    if (status == RSV_OK) estimate_all(&a, rays);
     rsv_fog_lights_destroy(&lights);
     return status == RSV_OK ? rsv_progress(e->context, "direct", 1) : status;
 }

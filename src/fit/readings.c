@@ -1,6 +1,7 @@
 #include "readings.h"
 
 #include "../connect/connect.h"
+#include "../core/parallel.h"
 #include "../render/probe_gather.h"
 
 #define GROUPS 32 ///< that rsv_probe_job.gather_rays counts for
@@ -12,6 +13,8 @@ typedef struct readings {
     const rsv_fit_desc *desc;
     rsv_connections **connections; ///< [responses->count] of each light; NULL = nothing to connect
     rsv_rgb *reading;
+    rsv_share points;
+    _Atomic rsv_status result;
 } readings;
 
 static rsv_probe_job job_of(const readings *r, const rsv_light_view *view)
@@ -73,27 +76,32 @@ static rsv_status connect_lights(readings *r)
     return status;
 }
 
-static rsv_status read_points(const readings *r, size_t count)
+static void read_share(void *data, int worker)
 {
+    readings *r = data;
     rsv_context *context = r->whole->context;
     size_t ends = (size_t)GROUPS * job_of(r, r->whole).gather_rays;
-    int failed = 0;
-#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : failed)
-    {
-        rsv_probe_end *end = rsv_alloc(context, ends, sizeof *end);
-        failed += end == NULL;
-#pragma omp for schedule(dynamic, 1)
-        for (size_t k = 0; k < count; k++)
-            if (end && !rsv_cancelled(context)) read_point(r, k, end);
-        rsv_free(context, end);
-    }
-    return failed ? RSV_ERROR_MEMORY : rsv_progress(context, "fit", 1);
+    rsv_probe_end *end = rsv_alloc(context, ends, sizeof *end);
+    if (!end) rsv_keep_failure(&r->result, RSV_ERROR_MEMORY);
+    for (rsv_span span; r->result == RSV_OK && rsv_share_take(&r->points, worker, &span);)
+        if (!rsv_cancelled(context)) read_point(r, span.begin, end);
+    rsv_free(context, end);
+}
+
+static rsv_status read_points(readings *r, size_t count)
+{
+    rsv_context *context = r->whole->context;
+    r->points = rsv_share_of(count, 1);
+    rsv_parallel_workers(context, count, read_share, r);
+    return r->result == RSV_OK ? rsv_progress(context, "fit", 1) : r->result;
 }
 
 rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *responses,
     const rsv_fit_wanted *wanted, size_t count, const rsv_fit_desc *desc, rsv_rgb *reading)
 {
-    readings r = { whole, responses, wanted, desc, NULL, reading };
+    readings r = {
+        .whole = whole, .responses = responses, .wanted = wanted, .desc = desc, .reading = reading
+    };
     rsv_context *context = whole->context;
     rsv_status status;
     r.connections = rsv_alloc(context, responses->count, sizeof *r.connections);

@@ -1,6 +1,6 @@
 #include "clearance.h"
 
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "../trace/near.h"
 #include "../trace/tracer_update.h"
 #include "specular_media.h"
@@ -112,20 +112,31 @@ static void find_range(const rsv_specular_media *media, rsv_clearances *c)
     if (c->count) c->count = last - c->first + 1;
 }
 
+typedef struct survey_job {
+    const rsv_specular_media *media;
+    rsv_clearances *clearances;
+} survey_job;
+
+static void survey_triangles(void *user, rsv_span span)
+{
+    const survey_job *job = user;
+    const rsv_clearances *c = job->clearances;
+    const uint32_t *material = job->media->scene->view->triangle_material;
+    for (uint32_t k = (uint32_t)span.begin; k < span.end; k++)
+        if (job->media->material[material[c->first + k]].smooth)
+            c->of[k] = survey_around(c, c->first + k);
+}
+
 rsv_status rsv_clearances_create(
     rsv_context *context, const rsv_specular_media *media, bool wanted, rsv_clearances *c)
 {
-    const rsv_scene_view *view = media->scene->view;
     *c = (rsv_clearances){ .context = context, .tracer = media->scene->tracer, .holds = true };
     if (wanted) find_range(media, c);
     c->of = rsv_alloc(context, (size_t)c->count + 1, sizeof *c->of);
     if (!c->of) return RSV_ERROR_MEMORY;
     rsv_clearances_refresh(c, c->tracer);
-    if (!c->holds) return RSV_OK;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (uint32_t k = 0; k < c->count; k++)
-        if (media->material[view->triangle_material[c->first + k]].smooth)
-            c->of[k] = survey_around(c, c->first + k);
+    survey_job job = { media, c };
+    if (c->holds) rsv_parallel_for(context, c->count, 64, survey_triangles, &job);
     return RSV_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "fog_front.h"
 
+#include "../core/parallel.h"
 #include "../elements/voxels.h"
 #include "../media/fog_run.h"
 #include "../specular/fog_flight.h"
@@ -25,6 +26,13 @@ static void find_parts(const rsv_fog_shine *shine, size_t cell)
     }
 }
 
+static void find_parts_of_cells(void *job, rsv_span span)
+{
+    const rsv_fog_shine *shine = job;
+    for (size_t cell = span.begin; cell < span.end; cell++)
+        if (shine->cut[cell] != RSV_NONE) find_parts(shine, cell);
+}
+
 rsv_status rsv_fog_shine_create(const rsv_light_view *s, rsv_fog_shine *shine)
 {
     const rsv_voxels *v = s->elements->voxels;
@@ -41,9 +49,7 @@ rsv_status rsv_fog_shine_create(const rsv_light_view *s, rsv_fog_shine *shine)
     }
     shine->part = rsv_alloc(s->context, cut, PLACES * sizeof *shine->part);
     if (!shine->part) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(s->context))
-    for (size_t cell = 0; cell < v->cell_count; cell++)
-        if (shine->cut[cell] != RSV_NONE) find_parts(shine, cell);
+    rsv_parallel_for(s->context, v->cell_count, 16, find_parts_of_cells, shine);
     rsv_fog_shine_refresh(shine, RSV_NONE);
     return RSV_OK;
 }
@@ -66,15 +72,21 @@ static rsv_rgb radiance_of(const rsv_light_view *s, uint32_t node, uint32_t laye
                              rsv_light_view_scattered(s, node, RSV_NONE, false)));
 }
 
+static void refresh_voxels(void *job, rsv_span span)
+{
+    const rsv_fog_shine *shine = job;
+    const rsv_light_view *s = shine->solution;
+    uint32_t first = (uint32_t)rsv_elements_surface_nodes(s->elements);
+    for (uint32_t k = (uint32_t)span.begin; k < span.end; k++)
+        shine->radiance[k] = radiance_of(s, first + k, shine->layer);
+}
+
 void rsv_fog_shine_refresh(rsv_fog_shine *shine, uint32_t layer)
 {
     const rsv_light_view *s = shine->solution;
     shine->layer = layer;
-    if (!shine->radiance) return;
-    uint32_t first = (uint32_t)rsv_elements_surface_nodes(s->elements);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (uint32_t k = 0; k < s->elements->voxels->count; k++)
-        shine->radiance[k] = radiance_of(s, first + k, layer);
+    if (shine->radiance)
+        rsv_parallel_for(s->context, s->elements->voxels->count, 0, refresh_voxels, shine);
 }
 
 /// exp(-x) for x >= 0, to 3e-6 of itself: a power of two, and a Taylor series about the middle of what is left.

@@ -1,3 +1,4 @@
+#include "../core/parallel.h"
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "frame_device.h"
@@ -323,16 +324,27 @@ static void begin_cells(rsv_frame_renderer *r)
     }
 }
 
+typedef struct fog_job {
+    const rsv_fog_shine *shine;
+    const rsv_eye_picture *eye;
+} fog_job;
+
+static void fill_fog_rows(void *user, rsv_span span)
+{
+    const fog_job *job = user;
+    for (size_t row = span.begin; row < span.end; row++)
+        rsv_fog_front_fill(&job->eye->fog, job->shine, &job->eye->aim.lens, (uint32_t)row);
+}
+
 /// Fog before the eyes.
 static void begin_fog(rsv_frame_renderer *r)
 {
     if (!r->tiling.shine) return;
     for (uint32_t k = 0; k < r->desc.eyes; k++) {
         rsv_eye_picture *e = &r->eye[k];
+        fog_job job = { &r->shine, e };
         rsv_fog_front_begin(&e->fog, &r->shine, &e->camera, r->tiling.width, r->tiling.height);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(r->thread_count)
-        for (uint32_t row = 0; row < e->fog.down; row++)
-            rsv_fog_front_fill(&e->fog, &r->shine, &e->aim.lens, row);
+        rsv_parallel_for(r->context, e->fog.down, 1, fill_fog_rows, &job);
     }
 }
 
@@ -383,28 +395,53 @@ static rsv_status check_view(const rsv_frame_renderer *r, const rsv_frame_view *
 
 typedef void (*tile_work)(const rsv_tiling *, rsv_eye_picture *, uint32_t, rsv_tile_worker *);
 
+typedef struct tile_job {
+    rsv_frame_renderer *renderer;
+    tile_work work;
+} tile_job;
+
+static void work_on_tiles(void *user, rsv_span span)
+{
+    const tile_job *job = user;
+    rsv_frame_renderer *r = job->renderer;
+    for (uint32_t k = (uint32_t)span.begin; k < span.end; k++)
+        job->work(&r->tiling, &r->eye[k / r->tiling.tile_count], k % r->tiling.tile_count,
+            &r->worker[span.worker]);
+}
+
 static void for_tiles(rsv_frame_renderer *r, tile_work work)
 {
-    uint32_t each = r->tiling.tile_count, tiles = each * r->desc.eyes;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(r->thread_count)
-    for (uint32_t k = 0; k < tiles; k++)
-        work(&r->tiling, &r->eye[k / each], k % each, &r->worker[rsv_thread_index()]);
+    tile_job job = { r, work };
+    rsv_parallel_for(
+        r->context, (size_t)r->tiling.tile_count * r->desc.eyes, 1, work_on_tiles, &job);
 }
 
 typedef void (*cell_work)(const rsv_glossy_cells *, uint32_t, uint32_t);
 
+typedef struct cell_job {
+    rsv_frame_renderer *renderer;
+    cell_work work;
+} cell_job;
+
+static void work_on_cell_rows(void *user, rsv_span span)
+{
+    const cell_job *job = user;
+    rsv_frame_renderer *r = job->renderer;
+    uint32_t height = r->eye[0].cells.height;
+    double start = rsv_seconds();
+    for (uint32_t k = (uint32_t)span.begin; k < span.end; k++) {
+        const rsv_glossy_cells *c = &r->eye[k / height].cells;
+        for (uint32_t column = 0; column < c->width; column += RSV_LANES)
+            job->work(c, column, k % height);
+    }
+    r->worker[span.worker].gloss_seconds += rsv_seconds() - start;
+}
+
 static void for_cells(rsv_frame_renderer *r, cell_work work)
 {
-    uint32_t height = r->eye[0].cells.height, rows = height * r->desc.eyes;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(r->thread_count)
-    for (uint32_t k = 0; k < rows; k++) {
-        const rsv_glossy_cells *c = &r->eye[k / height].cells;
-        rsv_tile_worker *w = &r->worker[rsv_thread_index()];
-        double start = rsv_seconds();
-        for (uint32_t column = 0; column < c->width; column += RSV_LANES)
-            work(c, column, k % height);
-        w->gloss_seconds += rsv_seconds() - start;
-    }
+    cell_job job = { r, work };
+    size_t rows = (size_t)r->eye[0].cells.height * r->desc.eyes;
+    rsv_parallel_for(r->context, rows, 8, work_on_cell_rows, &job);
 }
 
 static bool any_glossy(const rsv_frame_renderer *r)

@@ -1,5 +1,6 @@
 #include "light_table.h"
 
+#include "../core/parallel.h"
 #include "light_refinement.h"
 #include "source_state.h"
 
@@ -199,37 +200,61 @@ static float bake_emission(rsv_light_table *t, float least)
     return change;
 }
 
+typedef struct bake_job {
+    const rsv_light_table *table;
+    rsv_field_sum fields, diffused, detail;
+    float least;
+    _Atomic double change; ///< by how much any has changed
+} bake_job;
+
+static rsv_face_walk walk_of(const bake_job *job, uint32_t face)
+{
+    const rsv_light_table *t = job->table;
+    const rsv_light_view *s = t->solution;
+    uint32_t material = material_of_face(s, face);
+    rsv_face_walk walk = rsv_face_walk_begin(s);
+    bool translucent = rsv_is_translucent(s, face);
+    walk.least = job->least;
+    walk.sum = translucent ? &job->diffused : &job->fields;
+    walk.detail = translucent && job->detail.count ? &job->detail : NULL;
+    walk.cell = t->cell;
+    walk.scale = rgb_gray(1);
+    walk.offset = rgb_gray(0);
+    if (is_stored(s, material)) {
+        walk.scale = rgb_scale(s->bsdf[material].base_color, 1 / RSV_PI);
+        memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
+    }
+    return walk;
+}
+
+static void bake_faces(void *user, rsv_span span)
+{
+    bake_job *job = user;
+    const rsv_light_table *t = job->table;
+    float change = 0;
+    for (uint32_t face = (uint32_t)span.begin; face < span.end; face++) {
+        rsv_face_walk walk = walk_of(job, face);
+        rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
+        change = f_max(change, walk.change);
+    }
+    rsv_atomic_max(&job->change, (double)change);
+}
+
 float rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 {
     const rsv_light_view *s = t->solution;
     t->layer = layer;
-    rsv_field_sum fields = shown_fields(s, layer), diffused = diffused_fields(s, layer),
-                  detail = detail_fields(s, layer);
-    float least = least_seen(&fields), change = bake_emission(t, least);
+    bake_job job = { .table = t,
+        .fields = shown_fields(s, layer),
+        .diffused = diffused_fields(s, layer),
+        .detail = detail_fields(s, layer) };
+    job.least = least_seen(&job.fields);
+    rsv_atomic_max(&job.change, (double)bake_emission(t, job.least));
     uint32_t sources = rsv_source_state(s);
-    if (sources != t->source_state) change = 1;
+    if (sources != t->source_state) rsv_atomic_max(&job.change, 1);
     t->source_state = sources;
-#pragma omp parallel for schedule(dynamic, 64) reduction(max                                       \
-                                                         : change)                                 \
-    num_threads(rsv_threads(t->context))
-    for (uint32_t face = 0; face < s->elements->face_count; face++) {
-        uint32_t material = material_of_face(s, face);
-        rsv_face_walk walk = rsv_face_walk_begin(s);
-        bool translucent = rsv_is_translucent(s, face);
-        walk.least = least;
-        walk.sum = translucent ? &diffused : &fields;
-        walk.detail = translucent && detail.count ? &detail : NULL;
-        walk.cell = t->cell;
-        walk.scale = rgb_gray(1);
-        walk.offset = rgb_gray(0);
-        if (is_stored(s, material)) {
-            walk.scale = rgb_scale(s->bsdf[material].base_color, 1 / RSV_PI);
-            memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
-        }
-        rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
-        change = f_max(change, walk.change);
-    }
-    return change;
+    rsv_parallel_for(t->context, s->elements->face_count, 64, bake_faces, &job);
+    return (float)job.change;
 }
 
 rsv_rgb rsv_shown_reflected(

@@ -1,5 +1,5 @@
 /// Pictures as sums of what sources show: light transport is linear in its sources, pixels included.
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "../relight/relight_responses.h"
 #include "resolvent/frame.h"
 #include "resolvent/lightmix.h"
@@ -176,15 +176,19 @@ cleanup:
     return status;
 }
 
-static void add_part(
-    const rsv_light_mix *m, const rsv_image *part, rsv_rgb factor, rsv_rgb *restrict sum)
+/// What a part adds to the picture.
+typedef struct addend {
+    const rsv_rgb *part, *dark; ///< pixels; `dark` may be NULL
+    rsv_rgb factor, *sum;
+} addend;
+
+static void add_pixels(void *job, rsv_span span)
 {
-    const rsv_rgb *restrict from = rsv_image_const_pixels(part, 0);
-    const rsv_rgb *restrict dark = m->dark ? rsv_image_const_pixels(m->dark, 0) : NULL;
-    size_t pixels = (size_t)m->picture.width * m->picture.height;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(m->context))
-    for (size_t k = 0; k < pixels; k++) {
-        rsv_rgb own = dark ? rgb_sub(from[k], dark[k]) : from[k];
+    const addend *a = job;
+    const rsv_rgb *restrict part = a->part, *restrict dark = a->dark;
+    rsv_rgb factor = a->factor, *restrict sum = a->sum;
+    for (size_t k = span.begin; k < span.end; k++) {
+        rsv_rgb own = dark ? rgb_sub(part[k], dark[k]) : part[k];
         sum[k] = rgb_add(sum[k], rgb_mul(factor, own));
     }
 }
@@ -195,10 +199,14 @@ static rsv_status add_up(const rsv_light_mix *m, rsv_image **image)
     rsv_status status = rsv_image_create(m->context, m->picture.width, m->picture.height, 1, image);
     if (status != RSV_OK) return status;
     rsv_rgb *sum = rsv_image_pixels(*image, 0);
-    if (m->dark) memcpy(sum, rsv_image_const_pixels(m->dark, 0), pixels * sizeof *sum);
-    for (size_t p = 0; p < m->part_count; p++)
-        if (m->part[p].image) add_part(m, m->part[p].image, factor_of(m, p), sum);
-    for (size_t k = 0; m->dark && k < pixels; k++)
+    const rsv_rgb *dark = m->dark ? rsv_image_const_pixels(m->dark, 0) : NULL;
+    if (dark) memcpy(sum, dark, pixels * sizeof *sum);
+    for (size_t p = 0; p < m->part_count; p++) {
+        if (!m->part[p].image) continue;
+        addend a = { rsv_image_const_pixels(m->part[p].image, 0), dark, factor_of(m, p), sum };
+        rsv_parallel_for(m->context, pixels, 0, add_pixels, &a);
+    }
+    for (size_t k = 0; dark && k < pixels; k++)
         sum[k] = rgb_positive(sum[k]);
     return RSV_OK;
 }

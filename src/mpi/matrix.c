@@ -180,6 +180,25 @@ static void gather_row(const rsv_transport *t, const rsv_rgb *exitance, size_t n
         sum[c] *= (double)t->scale[node];
 }
 
+typedef struct product_job {
+    const rsv_mpi_rows *rows;
+    const PetscScalar *in;
+    PetscScalar *out;
+    double base, sign;
+} product_job;
+
+static void multiply_rows(void *data, rsv_span span)
+{
+    const product_job *job = data;
+    const rsv_mpi_rows *r = job->rows;
+    for (size_t k = span.begin; k < span.end; k++) {
+        double sum[3];
+        gather_row(r->system.transport, r->exitance, r->order[r->first + k], sum);
+        for (size_t i = 3 * k; i < 3 * k + 3; i++)
+            job->out[i] = job->base * job->in[i] + job->sign * sum[i - 3 * k];
+    }
+}
+
 /// y = base x + sign G K x
 static PetscErrorCode multiply(Mat matrix, Vec x, Vec y, double base, double sign)
 {
@@ -191,14 +210,8 @@ static PetscErrorCode multiply(Mat matrix, Vec x, Vec y, double base, double sig
     PetscCall(scatter(r, x));
     PetscCall(VecGetArrayRead(x, &in));
     PetscCall(VecGetArrayWrite(y, &out));
-    const rsv_transport *t = r->system.transport;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(r->system.threads)
-    for (size_t k = 0; k < r->count; k++) {
-        double sum[3];
-        gather_row(t, r->exitance, r->order[r->first + k], sum);
-        for (int c = 0; c < 3; c++)
-            out[3 * k + (size_t)c] = base * in[3 * k + (size_t)c] + sign * sum[c];
-    }
+    product_job job = { r, in, out, base, sign };
+    r->system.parallel_for(r->system.context, r->count, 64, multiply_rows, &job);
     PetscCall(VecRestoreArrayWrite(y, &out));
     PetscCall(VecRestoreArrayRead(x, &in));
     PetscFunctionReturn(0);

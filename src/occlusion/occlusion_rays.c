@@ -2,7 +2,7 @@
 /// would arrive unhindered.
 #include "occlusion.h"
 
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "../trace/packet.h"
 
 #include <string.h>
@@ -60,19 +60,30 @@ static void render_row(const rsv_occlusion_job *job, uint32_t row, rsv_rgb *pixe
     }
 }
 
+typedef struct picture_job {
+    const rsv_occlusion_job *job;
+    atomic_uint rows_done;
+} picture_job;
+
+static void render_rows(void *data, rsv_span span)
+{
+    picture_job *picture = data;
+    const rsv_occlusion_job *job = picture->job;
+    rsv_context *context = job->shared->context;
+    rsv_rgb *pixels = rsv_image_pixels(job->image, 0);
+    for (size_t row = span.begin; row < span.end; row++) {
+        if (rsv_cancelled(context)) continue;
+        render_row(job, (uint32_t)row, pixels + row * job->shared->setting.width);
+        unsigned done = atomic_fetch_add(&picture->rows_done, 1) + 1;
+        if (span.worker == 0)
+            rsv_progress(context, "render", (double)done / job->shared->setting.height);
+    }
+}
+
 rsv_status rsv_render_ray_occlusion(const rsv_occlusion_job *job)
 {
     rsv_context *context = job->shared->context;
-    uint32_t width = job->shared->setting.width, height = job->shared->setting.height, done = 0;
-    rsv_rgb *pixels = rsv_image_pixels(job->image, 0);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (uint32_t row = 0; row < height; row++) {
-        if (rsv_cancelled(context)) continue;
-        render_row(job, row, pixels + (size_t)row * width);
-        uint32_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0) rsv_progress(context, "render", (double)finished / height);
-    }
+    picture_job picture = { job, 0 };
+    rsv_parallel_for(context, job->shared->setting.height, 1, render_rows, &picture);
     return rsv_progress(context, "render", 1);
 }

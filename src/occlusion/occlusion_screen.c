@@ -1,6 +1,6 @@
 #include "occlusion.h"
 
-#include "../core/core.h"
+#include "../core/parallel.h"
 
 #define BLOCK 4 ///< pixels of a packet lie in a square
 
@@ -41,26 +41,48 @@ static void fill_block(
         rsv_screen_note(s, pixel[k], &seen[k]);
 }
 
+/// One picture: passes over it, each of which needs the one before as a whole.
+typedef struct screen_job {
+    const rsv_occlusion_job *job;
+    rsv_screen_picture picture;
+} screen_job;
+
+static void fill_rows_of_blocks(void *data, rsv_span span)
+{
+    const screen_job *s = data;
+    for (uint32_t row = (uint32_t)span.begin; row < span.end; row++)
+        for (uint32_t column = 0; column < s->picture.setting->width; column += BLOCK)
+            fill_block(s->job, &s->picture, column, row * BLOCK);
+}
+
+static void open_rows(void *data, rsv_span span)
+{
+    const screen_job *s = data;
+    for (uint32_t row = (uint32_t)span.begin; row < span.end; row++)
+        for (uint32_t column = 0; column < s->picture.setting->width; column++)
+            rsv_screen_open(&s->picture, column, row);
+}
+
+static void shade_rows(void *data, rsv_span span)
+{
+    const screen_job *s = data;
+    uint32_t width = s->picture.setting->width;
+    rsv_rgb *out = rsv_image_pixels(s->job->image, 0);
+    for (uint32_t row = (uint32_t)span.begin; row < span.end; row++)
+        for (uint32_t column = 0; column < width; column++)
+            out[(size_t)row * width + column] = rsv_screen_shade(&s->picture, column, row);
+}
+
 rsv_status rsv_render_screen_occlusion(const rsv_occlusion_job *job)
 {
     const rsv_occlusion *o = job->shared;
-    rsv_screen_picture s = { &o->setting, o->screen, job->lens };
-    uint32_t width = o->setting.width, height = o->setting.height;
-    rsv_rgb *out = rsv_image_pixels(job->image, 0);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(o->context))
-    for (uint32_t row = 0; row < height; row += BLOCK)
-        for (uint32_t column = 0; column < width; column += BLOCK)
-            fill_block(job, &s, column, row);
+    screen_job s = { job, { &o->setting, o->screen, job->lens } };
+    size_t height = o->setting.height;
+    rsv_parallel_for(o->context, (height + BLOCK - 1) / BLOCK, 1, fill_rows_of_blocks, &s);
     rsv_status status = rsv_progress(o->context, "render", 0.5);
     if (status != RSV_OK) return status;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(o->context))
-    for (uint32_t row = 0; row < height; row++)
-        for (uint32_t column = 0; column < width; column++)
-            rsv_screen_open(&s, column, row);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(o->context))
-    for (uint32_t row = 0; row < height; row++)
-        for (uint32_t column = 0; column < width; column++)
-            out[(size_t)row * width + column] = rsv_screen_shade(&s, column, row);
+    rsv_parallel_for(o->context, height, 1, open_rows, &s);
+    rsv_parallel_for(o->context, height, 1, shade_rows, &s);
     return rsv_progress(o->context, "render", 1);
 }
 

@@ -1,5 +1,6 @@
 #include "division.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../elements/voxels.h"
 
@@ -64,17 +65,29 @@ static int compare_places(const void *left, const void *right)
     return (a->node > b->node) - (a->node < b->node);
 }
 
-static void walk_curve(const rsv_elements *e, place *places)
+typedef struct curve {
+    const rsv_elements *elements;
+    place *places; ///< [node_count]
+} curve;
+
+static void place_nodes(void *job, rsv_span span)
 {
+    const curve *c = job;
+    const rsv_elements *e = c->elements;
     rsv_vec3 low = e->scene->bounds_min, high = e->scene->bounds_max;
     float extent = f_max(f_max(high.x - low.x, high.y - low.y), high.z - low.z);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        rsv_vec3 p = node_position(e, (uint32_t)n);
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        rsv_vec3 p = node_position(e, n);
         uint32_t step[3] = { grid_step(p.x, low.x, extent), grid_step(p.y, low.y, extent),
             grid_step(p.z, low.z, extent) };
-        places[n] = (place){ hilbert_index(step), (uint32_t)n };
+        c->places[n] = (place){ hilbert_index(step), n };
     }
+}
+
+static void walk_curve(const rsv_elements *e, place *places)
+{
+    curve c = { e, places };
+    rsv_parallel_for(e->context, e->node_count, 0, place_nodes, &c);
     qsort(places, e->node_count, sizeof *places, compare_places);
 }
 

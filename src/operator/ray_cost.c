@@ -1,4 +1,5 @@
 /// What assembly could cost at best: its rays, traced and forgotten.
+#include "../core/parallel.h"
 #include "directions.h"
 #include "receiver_points.h"
 #include "transport.h"
@@ -47,39 +48,51 @@ static void time_row(const rsv_tracer *tracer, rsv_ray_packet *packets, uint32_t
     *packet_seconds += rsv_seconds() - middle;
 }
 
+/// The rows of all nodes, which workers share.
+typedef struct trace_job {
+    const rsv_transport_desc *desc;
+    rsv_directions directions;
+    rsv_share nodes;
+    atomic_uint_least64_t rays, packet_nanoseconds, single_nanoseconds;
+    _Atomic rsv_status status;
+} trace_job;
+
+static void trace_rows(void *data, int worker)
+{
+    trace_job *job = data;
+    const rsv_transport_desc *desc = job->desc;
+    const rsv_elements *e = desc->elements;
+    const rsv_tracer *tracer = desc->scene->tracer;
+    double packet_seconds = 0, single_seconds = 0;
+    rsv_ray_packet *packets = rsv_alloc(e->context, desc->rays / LANES, sizeof *packets);
+    rsv_keep_failure(&job->status, packets ? RSV_OK : RSV_ERROR_MEMORY);
+    for (rsv_span s; packets && rsv_share_take(&job->nodes, worker, &s);) {
+        for (uint32_t node = (uint32_t)s.begin; node < s.end; node++) {
+            if (desc->valid_points[node] == 0) continue;
+            rsv_receiver_draw draw = { node, rsv_elements_draw_of(e, node), desc->seed,
+                desc->valid_points[node] };
+            aim_row(e, tracer, &job->directions, draw, packets);
+            time_row(tracer, packets, desc->rays / LANES, &packet_seconds, &single_seconds);
+            atomic_fetch_add(&job->rays, desc->rays);
+        }
+    }
+    atomic_fetch_add(&job->packet_nanoseconds, (uint64_t)(1e9 * packet_seconds));
+    atomic_fetch_add(&job->single_nanoseconds, (uint64_t)(1e9 * single_seconds));
+    rsv_free(e->context, packets);
+}
+
 rsv_status rsv_transport_trace_only(const rsv_transport_desc *desc, rsv_ray_cost *cost)
 {
-    const rsv_elements *elements = desc->elements;
-    const rsv_tracer *tracer = desc->scene->tracer;
-    rsv_context *context = elements->context;
-    rsv_directions directions;
-    uint32_t rays = desc->rays, seed = desc->seed;
-    rsv_status status = rsv_directions_create(context, rays, seed, &directions);
+    rsv_context *context = desc->elements->context;
+    trace_job job = { .desc = desc,
+        .nodes = rsv_share_of(rsv_elements_surface_nodes(desc->elements), 64) };
+    rsv_status status = rsv_directions_create(context, desc->rays, desc->seed, &job.directions);
     if (status != RSV_OK) return status;
-    double packet_sum = 0, single_sum = 0;
-    uint64_t traced = 0;
-    bool failed = false;
-#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : packet_sum, single_sum, traced)
-    {
-        rsv_ray_packet *packets = rsv_alloc(context, rays / LANES, sizeof *packets);
-#pragma omp for schedule(dynamic, 64)
-        for (size_t node = 0; node < rsv_elements_surface_nodes(elements); node++) {
-            if (!packets || desc->valid_points[node] == 0) continue;
-            rsv_receiver_draw draw = { (uint32_t)node,
-                rsv_elements_draw_of(elements, (uint32_t)node), seed, desc->valid_points[node] };
-            aim_row(elements, tracer, &directions, draw, packets);
-            time_row(tracer, packets, rays / LANES, &packet_sum, &single_sum);
-            traced += rays;
-        }
-        if (!packets) {
-#pragma omp atomic write
-            failed = true;
-        }
-        rsv_free(context, packets);
-    }
-    cost->rays = traced;
-    cost->packet_seconds = packet_sum / rsv_threads(context);
-    cost->single_seconds = single_sum / rsv_threads(context);
-    rsv_directions_destroy(&directions);
-    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+    rsv_parallel_workers(context, SIZE_MAX, trace_rows, &job);
+    double share = 1e-9 / rsv_threads(context);
+    cost->rays = job.rays;
+    cost->packet_seconds = share * (double)job.packet_nanoseconds;
+    cost->single_seconds = share * (double)job.single_nanoseconds;
+    rsv_directions_destroy(&job.directions);
+    return job.status;
 }

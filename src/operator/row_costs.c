@@ -1,4 +1,5 @@
 /// What rows of G cost, measured on a few rays of a few of them.
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../update/update.h"
 #include "operator_constants.h"
@@ -38,29 +39,50 @@ static void probe_turn(const rsv_row_tracer *tracer, const uint32_t *along, size
     }
 }
 
+/// What workers share that time rows.
+typedef struct cost_job {
+    const rsv_row_tracer *tracer;
+    const uint32_t *along; ///< [rows]
+    size_t rows, turns;
+    rsv_team_place place;
+    int64_t *nanoseconds; ///< out, per stretch
+    rsv_share share;      ///< of this process's turns
+    _Atomic rsv_status status;
+} cost_job;
+
+static void take_turns(void *data, int worker)
+{
+    cost_job *job = data;
+    rsv_context *context = job->tracer->elements->context;
+    size_t step = rsv_division_step(job->turns);
+    rsv_row_scratch scratch = { 0 };
+    rsv_status status = rsv_row_scratch_create(context, COST_RAYS, &scratch);
+    rsv_keep_failure(&job->status, status);
+    for (rsv_span s; status == RSV_OK && rsv_share_take(&job->share, worker, &s);) {
+        if (rsv_cancelled(context)) break;
+        size_t turn = job->place.rank + s.begin * job->place.size;
+        probe_turn(job->tracer, job->along, job->rows, turn * step % job->turns * COST_TURN,
+            &scratch, job->nanoseconds);
+    }
+    rsv_row_scratch_destroy(context, &scratch);
+}
+
 static rsv_status measure(
     const rsv_row_tracer *tracer, const uint32_t *along, size_t rows, int64_t *nanoseconds)
 {
     rsv_context *context = tracer->elements->context;
     rsv_team_place place = rsv_team_place_of(context);
-    rsv_status result = RSV_OK;
-    size_t turns = rows / (STRETCH * COST_TURN) + 1, step = rsv_division_step(turns);
-#pragma omp parallel num_threads(rsv_threads(context))
-    {
-        rsv_row_scratch scratch = { 0 };
-        rsv_status status = rsv_row_scratch_create(context, COST_RAYS, &scratch);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t turn = place.rank; turn < turns; turn += place.size)
-            if (status == RSV_OK && !rsv_cancelled(context))
-                probe_turn(
-                    tracer, along, rows, turn * step % turns * COST_TURN, &scratch, nanoseconds);
-        rsv_row_scratch_destroy(context, &scratch);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-        }
-    }
-    return rsv_team_meet(context, result);
+    size_t turns = rows / (STRETCH * COST_TURN) + 1;
+    size_t own = (turns + place.size - 1 - place.rank) / place.size;
+    cost_job job = { .tracer = tracer,
+        .along = along,
+        .rows = rows,
+        .turns = turns,
+        .place = place,
+        .nanoseconds = nanoseconds,
+        .share = rsv_share_of(own, 1) };
+    rsv_parallel_workers(context, SIZE_MAX, take_turns, &job);
+    return rsv_team_meet(context, job.status);
 }
 
 /// Whether each process keeps its rows for a later version of the scene where no other finds them.

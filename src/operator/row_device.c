@@ -1,5 +1,6 @@
 #include "row_device.h"
 
+#include "../core/parallel.h"
 #include "../trace/hierarchy.h"
 #include "operator_constants.h"
 
@@ -104,14 +105,25 @@ static void share_left(rsv_row_device *d, size_t count)
     d->left_begin[count] = n;
 }
 
+typedef struct receive_job {
+    const rsv_row_device *device;
+    const uint32_t *node;
+} receive_job;
+
+static void receive_rows(void *data, rsv_span span)
+{
+    const receive_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++)
+        rsv_row_receive(job->device->tracer, job->node[k], &job->device->receiver[k]);
+}
+
 rsv_status rsv_row_device_trace(rsv_row_device *d, const uint32_t *node, size_t count, bool *done)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     *done = false;
     if (!d || !d->rows) return RSV_OK;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(d->context))
-    for (size_t k = 0; k < count; k++)
-        rsv_row_receive(d->tracer, node[k], &d->receiver[k]);
+    receive_job job = { d, node };
+    rsv_parallel_for(d->context, count, 16, receive_rows, &job);
     rsv_status status = d->table->trace(d->rows, d->receiver, (uint32_t)count, &d->ends, message);
     if (status != RSV_OK) {
         d->table->destroy(d->rows);

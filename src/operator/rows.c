@@ -1,4 +1,5 @@
 /// Assembly of G: rows traced in blocks by all threads, then moved to the operator in their order.
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../update/row_store.h"
 #include "../update/update.h"
@@ -114,30 +115,38 @@ static rsv_status trace_on_device(assembly *a, size_t first)
     return rsv_row_device_trace(a->device, a->node + begin, count, &a->on_device);
 }
 
+/// Blocks that all workers trace before they move to the operator.
+typedef struct wave {
+    assembly *assembly;
+    size_t first;       ///< its first block
+    atomic_size_t done; ///< blocks, with those of the waves before
+    _Atomic rsv_status result;
+} wave;
+
+static void trace_blocks(void *job, rsv_span span)
+{
+    wave *w = job;
+    assembly *a = w->assembly;
+    rsv_context *context = a->transport->context;
+    for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++) {
+        rsv_status status =
+            trace_block(a, w->first, w->first + k, &a->scratch[span.worker], &a->block[k]);
+        size_t done = atomic_fetch_add(&w->done, 1) + 1;
+        if (span.worker == 0)
+            rsv_progress(context, "assemble", (double)done / (double)a->block_count);
+        if (status == RSV_OK) continue;
+        rsv_keep_failure(&w->result, status);
+        rsv_team_alarm(context);
+    }
+}
+
 static rsv_status trace_wave(assembly *a, size_t first)
 {
-    rsv_context *context = a->transport->context;
-    size_t end = first + a->wave_size < a->block_count ? first + a->wave_size : a->block_count;
-    rsv_status result = RSV_OK;
-    size_t done = first;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (size_t index = first; index < end; index++) {
-        rsv_status status = RSV_OK;
-        if (!rsv_cancelled(context))
-            status = trace_block(
-                a, first, index, &a->scratch[rsv_thread_index()], &a->block[index - first]);
-        size_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(context, "assemble", (double)finished / (double)a->block_count);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-            rsv_team_alarm(context);
-        }
-    }
-    return result;
+    size_t left = a->block_count - first;
+    wave w = { .assembly = a, .first = first, .done = first };
+    rsv_parallel_for(
+        a->transport->context, left < a->wave_size ? left : a->wave_size, 1, trace_blocks, &w);
+    return w.result;
 }
 
 static void copy_rows(const row_block *block, rsv_stored_rows *t)
@@ -152,6 +161,15 @@ static void copy_rows(const row_block *block, rsv_stored_rows *t)
     }
 }
 
+static void move_blocks(void *job, rsv_span span)
+{
+    assembly *a = job;
+    for (size_t k = span.begin; k < span.end; k++) {
+        copy_rows(&a->block[k], rsv_stored_rows_of(a->transport));
+        a->block[k].count = a->block[k].tinted_count = 0;
+    }
+}
+
 /// Moves the rows of all blocks of a wave, one behind the other, behind those of the waves before.
 static rsv_status append_wave(assembly *a)
 {
@@ -163,11 +181,7 @@ static rsv_status append_wave(assembly *a)
         a->entries += a->block[k].count;
         a->tinted_entries += a->block[k].tinted_count;
     }
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
-    for (size_t k = 0; k < a->wave_size; k++) {
-        copy_rows(&a->block[k], rsv_stored_rows_of(t));
-        a->block[k].count = a->block[k].tinted_count = 0;
-    }
+    rsv_parallel_for(t->context, a->wave_size, 0, move_blocks, a);
     for (size_t k = 0; k < a->wave_size && status == RSV_OK; k++)
         status = rsv_escapes_append(t->context, &t->escapes, &a->block[k].escapes);
     return status;

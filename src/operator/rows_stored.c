@@ -1,35 +1,49 @@
+#include "../core/parallel.h"
 #include "operator_constants.h"
 #include "stored_rows_internal.h"
 #include "transport_lists.h"
 #include "transport_rows.h"
+
+static void gather_rows(void *job, rsv_span span)
+{
+    const rsv_row_product p = *(const rsv_row_product *)job;
+    const rsv_stored_rows *t = rsv_stored_rows_of(p.transport);
+    for (size_t row = p.begin + span.begin; row < p.begin + span.end; row++) {
+        for (size_t f = 0; f < p.fields; f++) {
+            size_t first = t->row_begin[row];
+            rsv_rgb sum = rsv_sum_ends(
+                t->column + first, t->row_begin[row + 1] - first, p.exitance + f, p.fields);
+            for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
+                sum = rgb_add(sum,
+                    rgb_mul(t->tinted_weight[k], p.exitance[t->tinted_column[k] * p.fields + f]));
+            p.irradiance[row * p.fields + f] = rgb_scale(sum, p.transport->scale[row]);
+        }
+    }
+}
 
 static void gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance)
 {
     const rsv_stored_rows *t = rsv_stored_rows_of(transport);
     size_t entries = t->row_begin[end] - t->row_begin[begin];
-#pragma omp parallel for schedule(dynamic, 64)                                                     \
-    num_threads(rsv_threads(transport->context)) if (entries * fields > PARALLEL_ENTRIES)
-    for (size_t row = begin; row < end; row++) {
-        for (size_t f = 0; f < fields; f++) {
-            size_t first = t->row_begin[row];
-            rsv_rgb sum =
-                rsv_sum_ends(t->column + first, t->row_begin[row + 1] - first, exitance + f, fields);
-            for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
-                sum = rgb_add(
-                    sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k] * fields + f]));
-            irradiance[row * fields + f] = rgb_scale(sum, transport->scale[row]);
-        }
+    size_t grain = entries * fields > PARALLEL_ENTRIES ? 64 : end - begin;
+    rsv_row_product p = { transport, fields, exitance, begin, irradiance };
+    rsv_parallel_for(transport->context, end - begin, grain, gather_rows, &p);
+}
+
+static void sum_row_ends(void *job, rsv_span span)
+{
+    const rsv_row_product *p = job;
+    for (size_t k = span.begin; k < span.end; k++) {
+        rsv_transport_row row = rsv_transport_row_at(p->transport, k);
+        p->irradiance[k] = rsv_sum_ends(row.column, row.count, p->exitance, 1);
     }
 }
 
 void rsv_transport_gather_only(const rsv_transport *t, const rsv_rgb *field, rsv_rgb *sum)
 {
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
-    for (size_t k = 0; k < t->row_count; k++) {
-        rsv_transport_row row = rsv_transport_row_at(t, k);
-        sum[k] = rsv_sum_ends(row.column, row.count, field, 1);
-    }
+    rsv_row_product p = { t, 1, field, 0, sum };
+    rsv_parallel_for(t->context, t->row_count, 64, sum_row_ends, &p);
 }
 
 // ---- the table ------------------------------------------------------------------------------------

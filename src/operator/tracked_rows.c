@@ -1,5 +1,6 @@
 #include "tracked_rows.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "operator_constants.h"
 #include "row_touch.h"
@@ -221,31 +222,39 @@ static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
 
 // ---- all rows -------------------------------------------------------------------------------------
 
-static rsv_status find_rows(tracked_rows *t, const rsv_rows_motion *motion)
+typedef struct rows_job {
+    tracked_rows *rows;
+    const rsv_rows_motion *motion; ///< NULL = all rows are new
+    _Atomic rsv_status result;
+} rows_job;
+
+static void find_span(void *data, rsv_span span)
 {
+    rows_job *job = data;
+    tracked_rows *t = job->rows;
     rsv_context *context = t->transport.context;
-    rsv_status result = RSV_OK;
-    size_t done = 0;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (uint32_t node = 0; node < t->transport.row_count; node++) {
+    for (uint32_t node = (uint32_t)span.begin; node < span.end; node++) {
         if (t->slot[node] == RSV_NONE || rsv_cancelled(context)) continue;
         patch p;
         p.t = t;
         p.node = node;
         p.slot = t->slot[node];
         p.first = p.slot * t->rays;
-        p.scratch = &t->scratch[rsv_thread_index()];
-        rsv_status status = find_row(&p, motion);
-        if (rsv_thread_index() == 0 && ++done % 256 == 0)
-            rsv_progress(context, "assemble", (double)node / (double)t->transport.row_count);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-        }
+        p.scratch = &t->scratch[span.worker];
+        rsv_keep_failure(&job->result, find_row(&p, job->motion));
     }
-    if (result == RSV_ERROR_MEMORY)
-        return rsv_fail(result, "out of memory assembling the operator");
-    return rsv_cancelled(context) ? rsv_progress(context, "assemble", 1) : result;
+    if (span.worker == 0)
+        rsv_progress(context, "assemble", (double)span.end / (double)t->transport.row_count);
+}
+
+static rsv_status find_rows(tracked_rows *t, const rsv_rows_motion *motion)
+{
+    rsv_context *context = t->transport.context;
+    rows_job job = { .rows = t, .motion = motion };
+    rsv_parallel_for(context, t->transport.row_count, 64, find_span, &job);
+    if (job.result == RSV_ERROR_MEMORY)
+        return rsv_fail(RSV_ERROR_MEMORY, "out of memory assembling the operator");
+    return rsv_cancelled(context) ? rsv_progress(context, "assemble", 1) : job.result;
 }
 
 /// Lists where the rays of all rows left the scene.
@@ -436,19 +445,31 @@ static void take_row(tracked_rows *t, tracked_rows *then, uint32_t node, const r
     }
 }
 
+typedef struct divide_job {
+    tracked_rows *rows, *then;
+    const rsv_rows_division *division;
+} divide_job;
+
+static void take_rows(void *data, rsv_span span)
+{
+    const divide_job *job = data;
+    tracked_rows *t = job->rows, *then = job->then;
+    for (uint32_t node = (uint32_t)span.begin; node < span.end; node++) {
+        uint32_t other = job->division->row_before[node];
+        if (other != RSV_NONE && t->slot[node] != RSV_NONE && then->slot[other] != RSV_NONE &&
+            then->transport.scale[other] > 0)
+            take_row(t, then, node, job->division);
+    }
+}
+
 rsv_status rsv_tracked_rows_divide(rsv_transport *before, const rsv_transport_desc *desc,
     const rsv_rows_division *division, rsv_transport **transport)
 {
     tracked_rows *then = rows_of(before), *t = NULL;
     rsv_status status = create_empty(desc, &then->frame, &t);
     if (status != RSV_OK) return status;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(before->context))
-    for (uint32_t node = 0; node < t->transport.row_count; node++) {
-        uint32_t other = division->row_before[node];
-        if (other != RSV_NONE && t->slot[node] != RSV_NONE && then->slot[other] != RSV_NONE &&
-            then->transport.scale[other] > 0)
-            take_row(t, then, node, division);
-    }
+    divide_job job = { t, then, division };
+    rsv_parallel_for(before->context, t->transport.row_count, 64, take_rows, &job);
     t->transport.rays = before->rays;
     *transport = &t->transport;
     return RSV_OK;
@@ -507,20 +528,26 @@ static rsv_status complete(rsv_transport *transport)
     return RSV_OK;
 }
 
+static void gather_rows(void *job, rsv_span span)
+{
+    const rsv_row_product p = *(const rsv_row_product *)job;
+    for (size_t k = p.begin + span.begin; k < p.begin + span.end; k++) {
+        rsv_transport_row row = get_row(p.transport, k);
+        for (size_t f = 0; f < p.fields; f++) {
+            rsv_rgb sum = rsv_sum_ends(row.column, row.count, p.exitance + f, p.fields);
+            for (size_t i = 0; i < row.tinted_count; i++)
+                sum = rgb_add(sum,
+                    rgb_mul(row.tinted_weight[i], p.exitance[row.tinted_column[i] * p.fields + f]));
+            p.irradiance[k * p.fields + f] = rgb_scale(sum, p.transport->scale[k]);
+        }
+    }
+}
+
 static void gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance)
 {
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(transport->context))
-    for (size_t k = begin; k < end; k++) {
-        rsv_transport_row row = get_row(transport, k);
-        for (size_t f = 0; f < fields; f++) {
-            rsv_rgb sum = rsv_sum_ends(row.column, row.count, exitance + f, fields);
-            for (size_t i = 0; i < row.tinted_count; i++)
-                sum = rgb_add(sum,
-                    rgb_mul(row.tinted_weight[i], exitance[row.tinted_column[i] * fields + f]));
-            irradiance[k * fields + f] = rgb_scale(sum, transport->scale[k]);
-        }
-    }
+    rsv_row_product p = { transport, fields, exitance, begin, irradiance };
+    rsv_parallel_for(transport->context, end - begin, 64, gather_rows, &p);
 }
 
 static const rsv_transport_table tracked_rows_table = { destroy, get_row, gather,

@@ -1,4 +1,5 @@
 /// The assembled operator: products with fields, and how far its rows scatter.
+#include "../core/parallel.h"
 #include "operator_constants.h"
 #include "transport_rows.h"
 
@@ -61,17 +62,24 @@ static rsv_rgb sum_row(const rsv_transport_row *row, size_t fields, const rsv_rg
     return sum;
 }
 
+static void gather_rows(void *job, rsv_span span)
+{
+    const rsv_row_product p = *(const rsv_row_product *)job;
+    const rsv_transport *t = p.transport;
+    for (size_t k = p.begin + span.begin; k < p.begin + span.end; k++) {
+        rsv_transport_row row = rsv_transport_row_at(t, k);
+        for (size_t f = 0; f < p.fields; f++)
+            p.irradiance[k * p.fields + f] =
+                rgb_scale(sum_row(&row, p.fields, p.exitance + f), t->scale[k]);
+    }
+}
+
 void rsv_gather_by_rows(const rsv_transport *t, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance)
 {
-#pragma omp parallel for schedule(dynamic, 256)                                                    \
-    num_threads(rsv_threads(t->context)) if (rsv_transport_entries(t) * fields > PARALLEL_ENTRIES)
-    for (size_t k = begin; k < end; k++) {
-        rsv_transport_row row = rsv_transport_row_at(t, k);
-        for (size_t f = 0; f < fields; f++)
-            irradiance[k * fields + f] =
-                rgb_scale(sum_row(&row, fields, exitance + f), t->scale[k]);
-    }
+    rsv_row_product p = { t, fields, exitance, begin, irradiance };
+    size_t grain = rsv_transport_entries(t) * fields > PARALLEL_ENTRIES ? 256 : end - begin;
+    rsv_parallel_for(t->context, end - begin, grain, gather_rows, &p);
 }
 
 void rsv_transport_apply(const rsv_transport *t, const rsv_rgb *exitance, rsv_rgb *irradiance)
@@ -93,43 +101,74 @@ static void add_row(
     }
 }
 
+typedef struct residual_job {
+    const rsv_transport *transport;
+    size_t fields;
+    const rsv_rgb *exitance, *source, *irradiance;
+    rsv_rgb *residual;
+} residual_job;
+
+static void subtract_rows(void *job, rsv_span span)
+{
+    const residual_job r = *(const residual_job *)job;
+    for (size_t n = span.begin; n < span.end; n++) {
+        double scale = r.transport->scale[n];
+        rsv_transport_row row = rsv_transport_row_at(r.transport, n);
+        for (size_t f = 0; f < r.fields; f++) {
+            size_t k = n * r.fields + f;
+            double sum[3] = { 0, 0, 0 };
+            add_row(&row, r.fields, r.exitance + f, sum);
+            r.residual[k] = rgb((float)(r.source[k].r + sum[0] * scale - r.irradiance[k].r),
+                (float)(r.source[k].g + sum[1] * scale - r.irradiance[k].g),
+                (float)(r.source[k].b + sum[2] * scale - r.irradiance[k].b));
+        }
+    }
+}
+
 void rsv_residual_by_rows(const rsv_transport *t, size_t fields, const rsv_rgb *exitance,
     const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual)
 {
-#pragma omp parallel for schedule(dynamic, 64)                                                     \
-    num_threads(rsv_threads(t->context)) if (rsv_transport_entries(t) * fields > PARALLEL_ENTRIES)
-    for (size_t n = 0; n < t->row_count; n++) {
-        double scale = t->scale[n];
-        rsv_transport_row row = rsv_transport_row_at(t, n);
-        for (size_t f = 0; f < fields; f++) {
-            size_t k = n * fields + f;
-            double sum[3] = { 0, 0, 0 };
-            add_row(&row, fields, exitance + f, sum);
-            residual[k] = rgb((float)(source[k].r + sum[0] * scale - irradiance[k].r),
-                (float)(source[k].g + sum[1] * scale - irradiance[k].g),
-                (float)(source[k].b + sum[2] * scale - irradiance[k].b));
-        }
+    residual_job r = { t, fields, exitance, source, irradiance, residual };
+    size_t grain = rsv_transport_entries(t) * fields > PARALLEL_ENTRIES ? 64 : t->row_count;
+    rsv_parallel_for(t->context, t->row_count, grain, subtract_rows, &r);
+}
+
+typedef struct environment_job {
+    const rsv_transport *transport;
+    const rsv_rgb *bin_radiance;
+    rsv_rgb *irradiance;
+} environment_job;
+
+static void gather_environment(void *job, rsv_span span)
+{
+    const environment_job *g = job;
+    const rsv_transport *t = g->transport;
+    for (size_t row = span.begin; row < span.end; row++) {
+        rsv_rgb sum = rsv_escapes_sum(&t->escapes, row, g->bin_radiance);
+        g->irradiance[row] = rgb_scale(sum, RSV_PI * t->scale[row]);
     }
 }
 
 void rsv_transport_environment(
     const rsv_transport *transport, const rsv_rgb *bin_radiance, rsv_rgb *irradiance)
 {
-    const rsv_transport *t = transport;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
-    for (size_t row = 0; row < t->row_count; row++) {
-        rsv_rgb sum = rsv_escapes_sum(&t->escapes, row, bin_radiance);
-        irradiance[row] = rgb_scale(sum, RSV_PI * t->scale[row]);
-    }
-    rsv_division_share(t->division, irradiance, sizeof *irradiance);
+    environment_job g = { transport, bin_radiance, irradiance };
+    rsv_parallel_for(transport->context, transport->row_count, 0, gather_environment, &g);
+    rsv_division_share(transport->division, irradiance, sizeof *irradiance);
 }
 
-void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
-    const rsv_rgb *bin_radiance, float *deviation)
+typedef struct deviation_job {
+    const rsv_transport *transport;
+    const rsv_rgb *exitance, *bin_radiance;
+    float *deviation;
+} deviation_job;
+
+static void measure_deviations(void *job, rsv_span span)
 {
-    const rsv_transport *t = transport;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))
-    for (size_t row = 0; row < t->row_count; row++) {
+    const deviation_job *d = job;
+    const rsv_transport *t = d->transport;
+    const rsv_rgb *exitance = d->exitance, *bin_radiance = d->bin_radiance;
+    for (size_t row = span.begin; row < span.end; row++) {
         float sum = 0, squares = 0;
         rsv_transport_row entry = rsv_transport_row_at(t, row);
         for (size_t k = 0; k < entry.count; k++) {
@@ -147,7 +186,14 @@ void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exit
         sum += RSV_PI * rgb_luminance(rsv_escapes_sum(&t->escapes, row, bin_radiance));
         squares += RSV_PI * RSV_PI * rsv_escapes_sum_squares(&t->escapes, row, bin_radiance);
         float mean = sum * t->scale[row], variance = squares * t->scale[row] - mean * mean;
-        deviation[row] = STRATIFIED * sqrtf(f_max(variance, 0) * t->scale[row]);
+        d->deviation[row] = STRATIFIED * sqrtf(f_max(variance, 0) * t->scale[row]);
     }
-    rsv_division_share(t->division, deviation, sizeof *deviation);
+}
+
+void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
+    const rsv_rgb *bin_radiance, float *deviation)
+{
+    deviation_job d = { transport, exitance, bin_radiance, deviation };
+    rsv_parallel_for(transport->context, transport->row_count, 256, measure_deviations, &d);
+    rsv_division_share(transport->division, deviation, sizeof *deviation);
 }

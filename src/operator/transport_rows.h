@@ -31,6 +31,15 @@ RSV_INLINE rsv_rgb rsv_sum_ends(
     return rgb_add(rgb_add(sum[0], sum[1]), rgb_add(sum[2], sum[3]));
 }
 
+/// A product that workers share, in spans of rows from `begin` on.
+typedef struct rsv_row_product {
+    const rsv_transport *transport;
+    size_t fields;
+    const rsv_rgb *exitance;
+    size_t begin;
+    rsv_rgb *irradiance;
+} rsv_row_product;
+
 /// What tables of rows may use: row by row, one process's.
 void rsv_gather_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance);

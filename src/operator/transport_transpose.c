@@ -1,3 +1,5 @@
+#include "../core/parallel.h"
+#include "operator_constants.h"
 #include "transport_columns.h"
 
 #include <string.h>
@@ -119,24 +121,45 @@ static rsv_rgb sum_one(
     return sum;
 }
 
+typedef struct transpose_job {
+    const rsv_transport_columns *columns;
+    size_t fields;
+    const rsv_rgb *irradiance;
+    rsv_rgb *scaled, *exitance; ///< scaled: irradiance, times what each row weighs
+} transpose_job;
+
+static void scale_rows(void *data, rsv_span span)
+{
+    const transpose_job job = *(const transpose_job *)data;
+    const float *scale = job.columns->transport->scale;
+    for (size_t row = span.begin; row < span.end; row++)
+        for (size_t k = row * job.fields; k < (row + 1) * job.fields; k++)
+            job.scaled[k] = rgb_scale(job.irradiance[k], scale[row]);
+}
+
+static void sum_columns(void *data, rsv_span span)
+{
+    const transpose_job job = *(const transpose_job *)data;
+    const rsv_transport_columns *c = job.columns;
+    size_t fields = job.fields;
+    for (size_t node = span.begin; node < span.end; node++) {
+        size_t f = 0;
+        for (; f + WIDE <= fields; f += WIDE)
+            sum_wide(c, node, fields, job.scaled + f, job.exitance + node * fields + f);
+        for (; f < fields; f++)
+            job.exitance[node * fields + f] = sum_one(c, node, fields, job.scaled + f);
+    }
+}
+
 void rsv_transport_apply_transpose(const rsv_transport_columns *columns, size_t fields,
     const rsv_rgb *irradiance, rsv_rgb *scratch, rsv_rgb *exitance)
 {
-    const rsv_transport_columns *c = columns;
-    const rsv_transport *t = c->transport;
-    bool parallel = rsv_transport_entries(t) * fields > 65536;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context)) if (parallel)
-    for (size_t row = 0; row < t->row_count; row++)
-        for (size_t k = row * fields; k < (row + 1) * fields; k++)
-            scratch[k] = rgb_scale(irradiance[k], t->scale[row]);
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context)) if (parallel)
-    for (size_t node = 0; node < t->row_count; node++) {
-        size_t f = 0;
-        for (; f + WIDE <= fields; f += WIDE)
-            sum_wide(c, node, fields, scratch + f, exitance + node * fields + f);
-        for (; f < fields; f++)
-            exitance[node * fields + f] = sum_one(c, node, fields, scratch + f);
-    }
+    const rsv_transport *t = columns->transport;
+    size_t rows = t->row_count;
+    bool parallel = rsv_transport_entries(t) * fields > PARALLEL_ENTRIES;
+    transpose_job job = { columns, fields, irradiance, scratch, exitance };
+    rsv_parallel_for(t->context, rows, parallel ? 0 : rows, scale_rows, &job);
+    rsv_parallel_for(t->context, rows, parallel ? 64 : rows, sum_columns, &job);
 }
 
 size_t rsv_transport_shoot(const rsv_transport_columns *columns, size_t node, rsv_rgb exitance,

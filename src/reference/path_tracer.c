@@ -3,10 +3,6 @@
 #include "../scene/scene.h"
 #include "reference_internal.h"
 
-#if defined(_OPENMP)
-#include <omp.h>
-#endif
-
 static rsv_status create_bsdfs(rsv_path_tracer *tracer)
 {
     const rsv_scene_view *scene = tracer->scene;
@@ -89,12 +85,4 @@ void rsv_path_tracer_destroy(rsv_path_tracer *tracer)
     rsv_lights_destroy(tracer->lights);
     rsv_free(tracer->context, tracer->bsdf);
     rsv_free(tracer->context, tracer);
-}
-
-void rsv_poll_progress(rsv_context *context, const char *phase, size_t done, size_t total)
-{
-#if defined(_OPENMP)
-    if (omp_get_thread_num() != 0) return;
-#endif
-    rsv_progress(context, phase, (double)done / (double)total);
 }

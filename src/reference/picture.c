@@ -1,3 +1,4 @@
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../scene/scene.h"
 #include "../trace/backs.h"
@@ -109,21 +110,34 @@ static void render_pixel(const picture_job *picture, uint32_t x, uint32_t y, row
     row->luminance_squared += sum.luminance_squared;
 }
 
-static rsv_status render_rows(const picture_job *picture)
+/// Rows of this process.
+typedef struct row_job {
+    const picture_job *picture;
+    rsv_team_place place;
+    size_t count;
+    atomic_size_t done;
+} row_job;
+
+static void render_rows(void *user, rsv_span span)
 {
+    row_job *job = user;
+    const picture_job *picture = job->picture;
     rsv_context *context = picture->tracer->context;
-    rsv_team_place place = rsv_team_place_of(context);
-    uint32_t height = picture->desc->height, rows_done = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (uint32_t y = place.rank; y < height; y += place.size) {
-        if (rsv_cancelled(context)) continue;
+    for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++) {
+        uint32_t y = job->place.rank + (uint32_t)k * job->place.size;
         for (uint32_t x = 0; x < picture->desc->width; x++)
             render_pixel(picture, x, y, &picture->row[y]);
-        uint32_t done;
-#pragma omp atomic capture
-        done = ++rows_done;
-        rsv_poll_progress(context, phase, done, (height + place.size - 1) / place.size);
+        size_t done = atomic_fetch_add(&job->done, 1) + 1;
+        if (span.worker == 0) rsv_progress(context, phase, (double)done / (double)job->count);
     }
+}
+
+static rsv_status render(const picture_job *picture)
+{
+    rsv_context *context = picture->tracer->context;
+    row_job job = { .picture = picture, .place = rsv_team_place_of(context) };
+    job.count = rsv_team_turns(job.place, picture->desc->height);
+    rsv_parallel_for(context, job.count, 1, render_rows, &job);
     return rsv_team_meet(context, rsv_progress(context, phase, 1));
 }
 
@@ -209,7 +223,7 @@ rsv_status rsv_render_reference(
     rsv_warn_of_backs(tracer->tracer, picture.camera);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
-    RSV_TRY(render_rows(&picture));
+    RSV_TRY(render(&picture));
     RSV_TRY(unite_rows(&picture));
 
     row_statistics all = sum_rows(&picture);

@@ -1,4 +1,4 @@
-#include "../core/core.h"
+#include "../core/parallel.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
 
@@ -113,23 +113,26 @@ static rsv_status check_probe(const rsv_probe *probe, size_t index)
 }
 
 /// Groups, not probes, are shared out among threads: a single probe keeps all of them busy.
-static rsv_status measure_groups(const rsv_path_tracer *tracer, const receiver *receivers,
-    size_t count, uint32_t samples, uint32_t seed, group_mean *groups)
+typedef struct group_job {
+    const rsv_path_tracer *tracer;
+    const receiver *receiver;
+    uint32_t samples, seed;
+    group_mean *group; ///< [count]
+    size_t count;
+    atomic_size_t done;
+} group_job;
+
+static void measure_groups(void *user, rsv_span span)
 {
-    rsv_context *context = tracer->context;
-    size_t total = count * GROUPS, groups_done = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (size_t i = 0; i < total; i++) {
-        if (rsv_cancelled(context)) continue;
+    group_job *job = user;
+    rsv_context *context = job->tracer->context;
+    for (size_t i = span.begin; i < span.end && !rsv_cancelled(context); i++) {
         size_t probe = i / GROUPS;
-        uint32_t stream = rsv_hash3((uint32_t)probe, (uint32_t)(i % GROUPS), seed);
-        groups[i] = measure_group(tracer, &receivers[probe], samples, stream);
-        size_t done;
-#pragma omp atomic capture
-        done = ++groups_done;
-        rsv_poll_progress(context, phase, done, total);
+        uint32_t stream = rsv_hash3((uint32_t)probe, (uint32_t)(i % GROUPS), job->seed);
+        job->group[i] = measure_group(job->tracer, &job->receiver[probe], job->samples, stream);
+        size_t done = atomic_fetch_add(&job->done, 1) + 1;
+        if (span.worker == 0) rsv_progress(context, phase, (double)done / (double)job->count);
     }
-    return rsv_progress(context, phase, 1);
 }
 
 static void warn_of_rejected(rsv_context *context, const group_mean *groups, size_t count)
@@ -162,7 +165,9 @@ static rsv_status measure(const rsv_scene *scene, const measurement *m, rsv_prob
     for (size_t i = 0; i < m->count; i++)
         receivers[i] = m->probe ? receiver_of_probe(tracer, &m->probe[i])
                                 : receiver_of_place(tracer, &m->place[i]);
-    RSV_TRY(measure_groups(tracer, receivers, m->count, samples, m->seed, groups));
+    group_job job = { tracer, receivers, samples, m->seed, groups, m->count * GROUPS, 0 };
+    rsv_parallel_for(context, job.count, 1, measure_groups, &job);
+    RSV_TRY(rsv_progress(context, phase, 1));
     for (size_t i = 0; i < m->count; i++)
         readings[i] = summarise(groups + i * GROUPS, receivers[i].connected);
     warn_of_rejected(context, groups, m->count * GROUPS);

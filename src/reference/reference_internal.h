@@ -64,7 +64,4 @@ void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point
 /// Sum over the orders.
 rsv_rgb rsv_path_light_total(const rsv_path_light *light);
 
-/// Reports progress if the calling thread is the one that entered the library.
-void rsv_poll_progress(rsv_context *context, const char *phase, size_t done, size_t total);
-
 #endif

@@ -1,5 +1,7 @@
 #include "subsurface.h"
 
+#include "../core/parallel.h"
+
 #include <string.h>
 
 /// Probes end where this share of the profile lies within.
@@ -219,6 +221,24 @@ static rsv_status fill_grid(const rsv_bodies *b, rsv_body_sums *body)
     return status;
 }
 
+typedef struct sum_job {
+    const rsv_bodies *bodies;
+    uint32_t index; ///< of the body
+    const rsv_body_point *point;
+} sum_job;
+
+static void sum_points(void *user, rsv_span span)
+{
+    const sum_job *job = user;
+    const rsv_body_sums *body = &job->bodies->body[job->index];
+    for (size_t k = span.begin; k < span.end; k++) {
+        body->point[k] = job->point[k].point;
+        if (!rsv_cancelled(job->bodies->context))
+            body->sum[k] =
+                probe_sum(job->bodies, &job->point[k], rsv_hash2((uint32_t)k, job->index));
+    }
+}
+
 static rsv_status estimate_sums(rsv_bodies *b, uint32_t index, float widest)
 {
     rsv_body_sums *body = &b->body[index];
@@ -234,12 +254,8 @@ static rsv_status estimate_sums(rsv_bodies *b, uint32_t index, float widest)
         return RSV_ERROR_MEMORY;
     }
     strew_points(b, index, points, index);
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(b->context))
-    for (size_t k = 0; k < body->count; k++) {
-        body->point[k] = points[k].point;
-        if (!rsv_cancelled(b->context))
-            body->sum[k] = probe_sum(b, &points[k], rsv_hash2((uint32_t)k, index));
-    }
+    sum_job job = { b, index, points };
+    rsv_parallel_for(b->context, body->count, 16, sum_points, &job);
     rsv_free(b->context, points);
     return fill_grid(b, body);
 }

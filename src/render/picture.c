@@ -1,4 +1,5 @@
 /// Modes operator and final: camera paths, then the solved light.
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../trace/backs.h"
 #include "picture_row.h"
@@ -25,33 +26,47 @@ static rsv_status unite_rows(const rsv_picture_job *job)
     return rsv_team_meet(context, RSV_OK);
 }
 
+/// Rows of pixels of this process, which workers share.
+typedef struct row_work {
+    const rsv_picture_job *job;
+    rsv_team_place place;
+    rsv_share rows;
+    atomic_size_t done;
+    _Atomic rsv_status result;
+} row_work;
+
+static rsv_status render_row(row_work *work, rsv_picture_row *state, size_t index, int worker)
+{
+    const rsv_picture_job *job = work->job;
+    rsv_context *context = job->solution->context;
+    uint32_t row = work->place.rank + (uint32_t)index * work->place.size;
+    rsv_status status = rsv_picture_row_render(state, row);
+    double done = (double)(atomic_fetch_add(&work->done, 1) + 1);
+    if (worker == 0)
+        rsv_progress(context, "render", fmin(done * work->place.size / job->desc->height, 1));
+    return status;
+}
+
+static void render_share(void *user, int worker)
+{
+    row_work *work = user;
+    rsv_picture_row state;
+    rsv_status status = rsv_picture_row_create(work->job, &state);
+    rsv_span row;
+    while (status == RSV_OK && !rsv_cancelled(work->job->solution->context) &&
+           rsv_share_take(&work->rows, worker, &row))
+        status = render_row(work, &state, row.begin, worker);
+    rsv_picture_row_destroy(&state);
+    rsv_keep_failure(&work->result, status);
+}
+
 static rsv_status render_rows(const rsv_picture_job *job)
 {
     rsv_context *context = job->solution->context;
-    rsv_status result = RSV_OK;
-    rsv_team_place place = rsv_team_place_of(context);
-    uint32_t done = 0;
-#pragma omp parallel num_threads(rsv_threads(context))
-    {
-        rsv_picture_row state;
-        rsv_status status = rsv_picture_row_create(job, &state);
-#pragma omp for schedule(dynamic, 1)
-        for (uint32_t row = place.rank; row < job->desc->height; row += place.size) {
-            if (status == RSV_OK && !rsv_cancelled(context))
-                status = rsv_picture_row_render(&state, row);
-            uint32_t finished;
-#pragma omp atomic capture
-            finished = ++done;
-            if (rsv_thread_index() == 0)
-                rsv_progress(
-                    context, "render", fmin((double)finished * place.size / job->desc->height, 1));
-        }
-        rsv_picture_row_destroy(&state);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-        }
-    }
+    row_work work = { .job = job, .place = rsv_team_place_of(context) };
+    work.rows = rsv_share_of(rsv_team_turns(work.place, job->desc->height), 1);
+    rsv_parallel_workers(context, work.rows.count, render_share, &work);
+    rsv_status result = work.result;
     if (result == RSV_ERROR_MEMORY) result = rsv_fail(result, "out of memory rendering");
     if (result == RSV_OK) result = rsv_progress(context, "render", 1);
     result = rsv_team_meet(context, result);

@@ -1,4 +1,5 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
+#include "../core/parallel.h"
 #include "../core/stratified.h"
 #include "../receiver/next_event.h"
 #include "../solve/goal.h"
@@ -362,6 +363,27 @@ static rsv_probe_reading look_up(
     return reading;
 }
 
+typedef struct reading_job {
+    rsv_probe_job job;
+    bool lookup;
+    const rsv_probe *probe;
+    rsv_probe_reading *reading;
+    size_t count;
+    atomic_size_t done;
+} reading_job;
+
+static void read_probes(void *user, rsv_span span)
+{
+    reading_job *r = user;
+    const rsv_light_view *s = r->job.solution;
+    for (size_t k = span.begin; k < span.end && !rsv_cancelled(s->context); k++) {
+        r->reading[k] = r->lookup ? look_up(s, r->job.noise, &r->probe[k])
+                                  : rsv_probe_read(&r->job, &r->probe[k], (uint32_t)k);
+        size_t done = atomic_fetch_add(&r->done, 1) + 1;
+        if (span.worker == 0) rsv_progress(s->context, "probe", (double)done / (double)r->count);
+    }
+}
+
 rsv_probe_desc rsv_default_probe_desc(void)
 {
     return (rsv_probe_desc){ .mode = RSV_PROBE_OPERATOR, .samples = 4096 };
@@ -378,7 +400,11 @@ rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *de
             solution->scene.scene, probes, probe_count, desc->samples, desc->seed, readings);
     rsv_status status = rsv_check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
-    rsv_probe_job job = rsv_probe_job_of(solution, desc->samples, desc->seed, true);
+    reading_job work = { .job = rsv_probe_job_of(solution, desc->samples, desc->seed, true),
+        .lookup = lookup,
+        .probe = probes,
+        .reading = readings,
+        .count = probe_count };
     rsv_stored_noise noise;
     rsv_connections *connections = NULL;
     if (!lookup) status = rsv_connections_create(&solution->scene, solution->lights, &connections);
@@ -388,20 +414,9 @@ rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *de
         rsv_connections_destroy(connections);
         return status;
     }
-    job.noise = &noise;
-    job.connections = connections;
-    size_t done = 0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < probe_count; k++) {
-        if (rsv_cancelled(context)) continue;
-        readings[k] = lookup ? look_up(solution, &noise, &probes[k])
-                             : rsv_probe_read(&job, &probes[k], (uint32_t)k);
-        size_t finished;
-#pragma omp atomic capture
-        finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(context, "probe", (double)finished / (double)probe_count);
-    }
+    work.job.noise = &noise;
+    work.job.connections = connections;
+    rsv_parallel_for(context, probe_count, 1, read_probes, &work);
     rsv_stored_noise_destroy(&noise);
     rsv_connections_destroy(connections);
     return rsv_progress(context, "probe", 1);

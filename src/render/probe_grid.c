@@ -1,5 +1,7 @@
 #include "probe_grid.h"
 
+#include "../core/parallel.h"
+
 #include <string.h>
 
 #define PI 3.14159265358979323846
@@ -103,13 +105,13 @@ static sight look(const rsv_probe_grid *g, rsv_vec3 from, rsv_vec3 direction)
     return m->double_sided ? SEES_DOUBLE_SIDED_BACK : SEES_BACK;
 }
 
-static void find_valid(rsv_probe_grid *g)
+static void judge_places(void *job, rsv_span span)
 {
+    const rsv_probe_grid *g = job;
     rsv_vec3 normal[NORMALS];
     double weight[NORMALS];
     choose_normals(normal, weight);
-#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(g->solution->context))
-    for (size_t k = 0; k < g->count; k++) {
+    for (size_t k = span.begin; k < span.end; k++) {
         rsv_vec3 place = place_of(g, k);
         int seen[3] = { 0 };
         for (int n = 0; n < NORMALS; n++)
@@ -132,7 +134,7 @@ rsv_status rsv_probe_grid_create(const rsv_light_view *solution, float spacing, 
     g->valid = rsv_alloc(solution->context, g->count, 1);
     g->lit = rsv_alloc(solution->context, g->count, 1);
     if (g->coefficient && g->valid && g->lit) {
-        find_valid(g);
+        rsv_parallel_for(solution->context, g->count, 16, judge_places, g);
         return RSV_OK;
     }
     rsv_probe_grid_destroy(g);
@@ -159,20 +161,30 @@ static void add_reading(rsv_rgb irradiance, rsv_vec3 normal, double weight, doub
             sum[h][c] += 4 * PI * weight * y[h] / kept[h] * (double)(&irradiance.r)[c];
 }
 
+/// Readings of a probe by all normals.
+typedef struct reading_job {
+    const rsv_probe_job *job;
+    rsv_vec3 place, normal[NORMALS];
+    rsv_rgb irradiance[NORMALS];
+} reading_job;
+
+static void read_normals(void *user, rsv_span span)
+{
+    reading_job *r = user;
+    for (size_t n = span.begin; n < span.end; n++) {
+        const rsv_probe receiver = { .position = r->place, .normal = r->normal[n] };
+        r->irradiance[n] = rsv_probe_read(r->job, &receiver, (uint32_t)n).irradiance;
+    }
+}
+
 void rsv_probe_grid_light(rsv_probe_grid *g, size_t probe)
 {
-    const rsv_light_view *s = g->solution;
-    rsv_vec3 normal[NORMALS], place = place_of(g, probe);
     double weight[NORMALS], sum[HARMONICS][3] = { { 0 } };
-    rsv_rgb irradiance[NORMALS];
-    choose_normals(normal, weight);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(s->context))
-    for (int n = 0; n < NORMALS; n++) {
-        const rsv_probe receiver = { .position = place, .normal = normal[n] };
-        irradiance[n] = rsv_probe_read(&g->job, &receiver, (uint32_t)n).irradiance;
-    }
+    reading_job readings = { .job = &g->job, .place = place_of(g, probe) };
+    choose_normals(readings.normal, weight);
+    rsv_parallel_for(g->solution->context, NORMALS, 1, read_normals, &readings);
     for (int n = 0; n < NORMALS; n++)
-        add_reading(irradiance[n], normal[n], weight[n], sum);
+        add_reading(readings.irradiance[n], readings.normal[n], weight[n], sum);
     for (int h = 0; h < HARMONICS; h++)
         g->coefficient[probe][h] = rgb((float)sum[h][0], (float)sum[h][1], (float)sum[h][2]);
     g->lit[probe] = 1;

@@ -19,7 +19,7 @@ typedef struct shot_splat {
     rsv_rgb radiance;
 } shot_splat;
 
-/// The splats of one thread since they were last collected.
+/// The splats of one slot since they were last collected.
 typedef struct splat_list {
     shot_splat *splat;
     size_t count, capacity;
@@ -33,7 +33,7 @@ typedef struct shot_job {
     rsv_lens lens;
     float spread; ///< of a camera ray, as camera paths have it
     rsv_image *image;
-    splat_list *list; ///< [threads]
+    splat_list *list; ///< [rsv_photon_slots]
 } shot_job;
 
 bool rsv_shot_light_wanted(const rsv_light_view *s)
@@ -44,9 +44,8 @@ bool rsv_shot_light_wanted(const rsv_light_view *s)
     return rough && rsv_photons_wanted(&s->scene, s->lights);
 }
 
-static void push(const shot_job *job, shot_splat splat)
+static void push(const shot_job *job, splat_list *list, shot_splat splat)
 {
-    splat_list *list = &job->list[rsv_thread_index()];
     if (list->status == RSV_OK)
         list->status = rsv_grow(job->solution->context, (void **)&list->splat, &list->capacity,
             list->count + 1, sizeof *list->splat);
@@ -94,7 +93,7 @@ static bool is_seen(void *user, const rsv_specular_path *end)
     return join(user, end, &view, &seen);
 }
 
-static void add_light_path(void *user, const rsv_specular_path *end, rsv_rgb flux)
+static void add_light_path(void *user, size_t slot, const rsv_specular_path *end, rsv_rgb flux)
 {
     const shot_job *job = user;
     const rsv_transport_scene *scene = &job->solution->scene;
@@ -113,13 +112,12 @@ static void add_light_path(void *user, const rsv_specular_path *end, rsv_rgb flu
     if (rgb_is_black(response) || !(arrives > 0)) return;
     size_t pixel = (size_t)view.y * job->desc->width + (size_t)view.x;
     float scale = view.pixels_per_area * leaves / arrives;
-    push(job, (shot_splat){ pixel, rgb_scale(rgb_mul(flux, response), scale) });
+    shot_splat splat = { pixel, rgb_scale(rgb_mul(flux, response), scale) };
+    push(job, &job->list[slot], splat);
 }
 
-static void collect(void *user)
+static void collect_slot(const shot_job *job, splat_list *list)
 {
-    const shot_job *job = user;
-    splat_list *list = &job->list[rsv_thread_index()];
     uint32_t layers = rsv_image_layer_count(job->image) > 1 ? 2 : 1;
     for (uint32_t layer = 0; layer < layers; layer++) {
         rsv_rgb *out = rsv_image_pixels(job->image, layer);
@@ -127,6 +125,13 @@ static void collect(void *user)
             out[list->splat[k].pixel] = rgb_add(out[list->splat[k].pixel], list->splat[k].radiance);
     }
     list->count = 0;
+}
+
+static void collect(void *user, size_t slots)
+{
+    const shot_job *job = user;
+    for (size_t slot = 0; slot < slots; slot++)
+        collect_slot(job, &job->list[slot]);
 }
 
 static float spread_of(const rsv_shot_light *shot, const rsv_render_desc *desc)
@@ -171,15 +176,15 @@ rsv_status rsv_shot_light_add(
 {
     rsv_context *context = shot->solution->context;
     uint64_t paths = (uint64_t)desc->width * desc->height * desc->samples, rays = 0;
-    int threads = rsv_threads(context);
+    size_t slots = rsv_photon_slots(context);
     shot_job job = begin_job(shot, desc, image);
-    job.list = rsv_alloc(context, (size_t)threads, sizeof *job.list);
+    job.list = rsv_alloc(context, slots, sizeof *job.list);
     if (!job.list) return RSV_ERROR_MEMORY;
     paths = paths < FEWEST_PATHS ? FEWEST_PATHS : paths > INT32_MAX ? INT32_MAX : paths;
     const rsv_photon_sink sink = { &job, add_light_path, collect, is_seen, NULL };
     rsv_status status =
         rsv_photons_send(shot->shooter, (uint32_t)paths, seed_of(desc), &sink, &rays);
-    for (int k = 0; k < threads; k++) {
+    for (size_t k = 0; k < slots; k++) {
         if (status == RSV_OK) status = job.list[k].status;
         rsv_free(context, job.list[k].splat);
     }

@@ -1,6 +1,7 @@
 #include "sky_visibility.h"
 
 #include "../core/octahedral.h"
+#include "../core/parallel.h"
 #include "../core/team.h"
 
 #include <string.h>
@@ -146,6 +147,19 @@ static rsv_visible_sky list_seen(const uint16_t *seen)
     return visible;
 }
 
+typedef struct batch_job {
+    const rsv_sky_visibility *visibility;
+    uint32_t first;               ///< place
+    const uint16_t (*seen)[BINS]; ///< by each from there on
+} batch_job;
+
+static void list_places(void *user, rsv_span span)
+{
+    const batch_job *job = user;
+    for (size_t k = span.begin; k < span.end; k++)
+        job->visibility->visible[job->first + k] = list_seen(job->seen[k]);
+}
+
 static rsv_status prepare(const rsv_light_view *s, rsv_sky_visibility *o)
 {
     rsv_status status;
@@ -168,11 +182,10 @@ static rsv_status find_visible(const rsv_light_view *s, rsv_sky_visibility *o)
     RSV_TRY(rsv_team_meet(s->context, status));
     uint32_t count = (uint32_t)o->places.count;
     for (uint32_t first = 0; first < count; first += BATCH) {
-        uint32_t end = count - first < BATCH ? count : first + BATCH;
+        batch_job job = { o, first, (const uint16_t(*)[BINS])seen };
         mark_batch(s, o, first, seen);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-        for (uint32_t place = first; place < end; place++)
-            o->visible[place] = list_seen(seen[place - first]);
+        rsv_parallel_for(
+            s->context, count - first < BATCH ? count - first : BATCH, 0, list_places, &job);
     }
 cleanup:
     rsv_free(s->context, seen);

@@ -1,5 +1,6 @@
 #include "stored_noise.h"
 
+#include "../core/parallel.h"
 #include "../elements/curvature.h"
 
 /// Added to local levels, so that all that is left of them is this: departures come out as they are.
@@ -119,13 +120,22 @@ static double photons_of(double variance, double light)
     return variance > 0 ? 0.5 * light * light / variance : INFINITY;
 }
 
+typedef struct coarse_noise {
+    const rsv_light_view *solution;
+    const rsv_rgb *coarse; ///< variance of what the coarse elements caught
+    rsv_rgb *variance;     ///< of what the fine ones caught: in and out
+} coarse_noise;
+
 /// Nodes with few photons are drawn towards what the coarse elements caught (rsv_photon_map_shrink), whose noise is seen on
 /// those alone.
-static void add_coarse_noise(const rsv_light_view *s, const rsv_rgb *coarse, rsv_rgb *variance)
+static void add_coarse_noise(void *user, rsv_span span)
 {
+    const coarse_noise *job = user;
+    const rsv_light_view *s = job->solution;
     const rsv_elements *e = s->caustics.elements;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < e->node_count; n++) {
+    const rsv_rgb *coarse = job->coarse;
+    rsv_rgb *variance = job->variance;
+    for (size_t n = span.begin; n < span.end; n++) {
         uint32_t face;
         float u, v, weight[3];
         rsv_elements_place_node(e, (uint32_t)n, &face, &u, &v);
@@ -150,7 +160,9 @@ static rsv_status find_caustic(const rsv_light_view *s, rsv_stored_noise *noise)
     rsv_status status = find_variance(s->caustics.elements, s->caustics.caustic, &noise->caustic);
     if (status == RSV_OK && s->caustics.coarse_caustic)
         status = find_variance(s->elements, s->caustics.coarse_caustic, &coarse);
-    if (status == RSV_OK && coarse.node) add_coarse_noise(s, coarse.node, noise->caustic.node);
+    coarse_noise job = { s, coarse.node, noise->caustic.node };
+    if (status == RSV_OK && coarse.node)
+        rsv_parallel_for(s->context, s->caustics.elements->node_count, 0, add_coarse_noise, &job);
     free_variance(s->context, &coarse);
     return status;
 }

@@ -1,5 +1,6 @@
 #include "coarse_elements.h"
 
+#include "../core/parallel.h"
 #include "../elements/burial.h"
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
@@ -80,19 +81,29 @@ rsv_status rsv_coarse_elements_create(rsv_builder *b, float coarsening)
 typedef struct goal_chooser {
     const rsv_goal *goal;
     const rsv_spacing *spacing;
+    const rsv_elements *elements; ///< while it chooses
+    uint8_t *split;               ///< [cell_count] out
 } goal_chooser;
+
+static void choose_span(void *job, rsv_span span)
+{
+    const goal_chooser *g = job;
+    const rsv_elements *e = g->elements;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++) {
+        float wanted = e->spacing * rsv_goal_size_at(g->goal, e, c);
+        g->split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
+                      sqrtf(2 * rsv_cell_area(e, c)) > RSV_GROWTH_TOLERANCE * wanted &&
+                      !rsv_spacing_lets_grow(g->spacing, e, c);
+    }
+}
 
 /// Cells that are too large for what they matter.
 static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
 {
-    const goal_chooser *g = user;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        float wanted = e->spacing * rsv_goal_size_at(g->goal, e, c);
-        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
-                   sqrtf(2 * rsv_cell_area(e, c)) > RSV_GROWTH_TOLERANCE * wanted &&
-                   !rsv_spacing_lets_grow(g->spacing, e, c);
-    }
+    goal_chooser *g = user;
+    g->elements = e;
+    g->split = split;
+    rsv_parallel_for(e->context, e->cell_count, 256, choose_span, g);
 }
 
 static float growth_for_goal(const void *goal, const rsv_elements *e, uint32_t cell)
@@ -103,7 +114,7 @@ static float growth_for_goal(const void *goal, const rsv_elements *e, uint32_t c
 rsv_status rsv_coarse_elements_create_for_goal(rsv_builder *b, const rsv_goal *goal)
 {
     rsv_elements *coarsest = NULL;
-    goal_chooser chooser = { goal, &b->spacing };
+    goal_chooser chooser = { .goal = goal, .spacing = &b->spacing };
     rsv_growth growth = { growth_for_goal, goal };
     rsv_status status;
     rsv_elements_destroy(b->elements);

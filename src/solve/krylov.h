@@ -3,6 +3,7 @@
 #ifndef RSV_KRYLOV_H
 #define RSV_KRYLOV_H
 
+#include "../core/parallel.h"
 #include "../diffusion/subsurface.h"
 #include "../operator/transport.h"
 #include "resolvent/team.h"
@@ -15,7 +16,10 @@ typedef struct rsv_krylov_system {
     const rsv_transport *transport; ///< the rows of this process, and whose the others are
     const rsv_elements *elements;   ///< which nodes hang
     const rsv_rgb *albedo;          ///< [node_count]
-    int threads;
+    /// rsv_parallel_for, which plug-ins cannot call by its name
+    void (*parallel_for)(const rsv_context *context, size_t count, size_t grain,
+        void (*body)(void *job, rsv_span span), void *job);
+    const rsv_context *context; ///< whose workers apply the rows
     /// exitance = K field on all nodes, where light leaves elsewhere than it entered; NULL = K is the albedo alone
     void (*scatter)(void *user, const rsv_rgb *field, rsv_rgb *exitance);
     void *user;

@@ -1,5 +1,6 @@
 #include "light_change.h"
 
+#include "../core/parallel.h"
 #include "light_internal.h"
 #include "solve_constants.h"
 #include "source.h"
@@ -70,23 +71,34 @@ rsv_status rsv_light_vary_places(rsv_light *s, const bool *moves)
 
 rsv_status rsv_light_follow_places(rsv_light *s) { return rsv_lights_follow(s->sources->lights); }
 
+typedef struct paint_job {
+    const rsv_light *light;
+    const bool *changed;
+    rsv_rgb *albedo;
+} paint_job;
+
+static void paint_nodes(void *data, rsv_span span)
+{
+    const paint_job *job = data;
+    const rsv_light *s = job->light;
+    const rsv_elements *e = s->elements;
+    const rsv_rgb *known = s->view.exitance_albedo;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        job->albedo[n] = known[n];
+        if (e->node_face[n] == RSV_NONE) continue;
+        uint32_t triangle = e->face_triangle[e->node_face[n]];
+        if (job->changed[s->scene.view->triangle_material[triangle]])
+            job->albedo[n] = rsv_element_albedo(&s->world->scene, e, s->desc.seed, n);
+    }
+}
+
 /// Albedos of the operator, those of changed materials anew. @param albedo out: to be freed
 static rsv_status paint(const rsv_light *s, const bool *changed, rsv_rgb **albedo)
 {
     const rsv_elements *e = s->elements;
     rsv_rgb *a = *albedo = rsv_alloc(s->context, e->node_count, sizeof *a);
     if (!a) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        if (e->node_face[n] == RSV_NONE) {
-            a[n] = s->view.exitance_albedo[n];
-            continue;
-        }
-        uint32_t triangle = e->face_triangle[e->node_face[n]];
-        bool repaint = changed[s->scene.view->triangle_material[triangle]];
-        a[n] = repaint ? rsv_element_albedo(&s->world->scene, e, s->desc.seed, (uint32_t)n)
-                       : s->view.exitance_albedo[n];
-    }
+    rsv_parallel_for(s->context, e->node_count, 256, paint_nodes, &(paint_job){ s, changed, a });
     return RSV_OK;
 }
 

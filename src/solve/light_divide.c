@@ -1,4 +1,5 @@
 /// Coarse elements of a light whose scene moves, divided again where surfaces touch now.
+#include "../core/parallel.h"
 #include "light_motion.h"
 
 #include "../elements/contact.h"
@@ -43,44 +44,71 @@ static size_t most_nodes(const rsv_light *s)
     return most > first ? most : first;
 }
 
+typedef struct carry_job {
+    const rsv_elements *then;
+    const rsv_divided_elements *divided;
+    const rsv_rgb *before;
+    rsv_rgb *now;
+} carry_job;
+
+static void carry_nodes(void *data, rsv_span span)
+{
+    const carry_job *job = data;
+    const rsv_elements *e = job->divided->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        uint32_t face, before = job->divided->node_before[n];
+        float u, v;
+        if (before != RSV_NONE) {
+            job->now[n] = job->before[before];
+            continue;
+        }
+        if (e->support_begin[n] == e->support_begin[n + 1]) continue;
+        rsv_elements_place_node(e, n, &face, &u, &v);
+        job->now[n] = rsv_elements_interpolate(job->then, job->before, face, u, v);
+    }
+}
+
 /// A field on the new elements: what it was at nodes that stay, between others at the rest.
 static rsv_status carry(const rsv_elements *then, const rsv_divided_elements *d, rsv_rgb **field)
 {
     const rsv_elements *e = d->elements;
     rsv_rgb *now = rsv_alloc(e->context, e->node_count, sizeof *now);
     if (!now) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        uint32_t face, before = d->node_before[n];
-        float u, v;
-        if (before != RSV_NONE) {
-            now[n] = (*field)[before];
-            continue;
-        }
-        if (e->support_begin[n] == e->support_begin[n + 1]) continue;
-        rsv_elements_place_node(e, n, &face, &u, &v);
-        now[n] = rsv_elements_interpolate(then, *field, face, u, v);
-    }
+    carry_job job = { then, d, *field, now };
+    rsv_parallel_for(e->context, e->node_count, 256, carry_nodes, &job);
     rsv_free(e->context, *field);
     *field = now;
     return RSV_OK;
+}
+
+typedef struct paint_job {
+    const rsv_light *light;
+    const rsv_divided_elements *divided;
+    rsv_rgb *albedo;
+} paint_job;
+
+static void paint_nodes(void *data, rsv_span span)
+{
+    const paint_job *job = data;
+    const rsv_light *s = job->light;
+    const rsv_rgb *then = rsv_operator_get_view(s->op)->albedo;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        uint32_t before = job->divided->node_before[n];
+        job->albedo[n] = before != RSV_NONE ? then[before]
+                                            : rsv_element_albedo(&s->world->scene,
+                                                  job->divided->elements, s->desc.seed, n);
+    }
 }
 
 /// Albedos, found again at nodes that are new.
 static rsv_status paint(rsv_light_motion *m, const rsv_divided_elements *d)
 {
     const rsv_light *s = m->s;
-    const rsv_elements *e = d->elements;
-    const rsv_rgb *then = rsv_operator_get_view(s->op)->albedo;
-    m->albedo = rsv_alloc(s->context, e->node_count, sizeof *m->albedo);
+    size_t nodes = d->elements->node_count;
+    m->albedo = rsv_alloc(s->context, nodes, sizeof *m->albedo);
     if (!m->albedo) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        uint32_t before = d->node_before[n];
-        m->albedo[n] = before != RSV_NONE
-                           ? then[before]
-                           : rsv_element_albedo(&s->world->scene, e, s->desc.seed, n);
-    }
+    paint_job job = { s, d, m->albedo };
+    rsv_parallel_for(s->context, nodes, 256, paint_nodes, &job);
     return RSV_OK;
 }
 

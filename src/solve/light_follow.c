@@ -10,6 +10,7 @@
 ///    anew (update/level_before.h).
 /// 5. E = E0 + G K E is solved on from the E of before.
 #include "../core/device.h"
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../elements/open_corners.h"
 #include "../scene/variant.h"
@@ -213,16 +214,30 @@ cleanup:
 
 // ---- E0 -------------------------------------------------------------------------------------------
 
-/// Nodes whose direct light is what it was. @param known [node_count], out
+typedef struct known_job {
+    const motion *motion;
+    const uint8_t *changed; ///< what rsv_light_shafts_find_changed found
+    uint8_t *known;
+} known_job;
+
+static void mark_known(void *data, rsv_span span)
+{
+    const known_job *job = data;
+    const motion *m = job->motion;
+    const rsv_elements *e = m->s->elements;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->known[n] = !m->anew[n] && !rsv_node_light_is_changed(e, n, job->changed) &&
+                        !rsv_node_is_beside(e, n, &m->change);
+}
+
+/// Nodes whose direct light is what it was. @param known [node_count] zeros in
 static rsv_status find_known(motion *m, uint8_t *known)
 {
     const rsv_elements *e = m->s->elements;
     uint8_t *changed = NULL;
     rsv_status status = rsv_light_shafts_find_changed(&m->shafts, e, &changed);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t n = 0; n < e->node_count; n++)
-        known[n] = status == RSV_OK && !m->anew[n] && !rsv_node_light_is_changed(e, n, changed) &&
-                   !rsv_node_is_beside(e, n, &m->change);
+    known_job job = { m, changed, known };
+    if (status == RSV_OK) rsv_parallel_for(e->context, e->node_count, 256, mark_known, &job);
     rsv_free(e->context, changed);
     return status;
 }

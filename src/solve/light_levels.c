@@ -1,4 +1,5 @@
 /// Levels of direct light and caustics for sources that stand elsewhere.
+#include "../core/parallel.h"
 #include "light_internal.h"
 #include "source.h"
 
@@ -25,6 +26,19 @@ static rsv_rgb value_at(
     return sum;
 }
 
+typedef struct carry_job {
+    const rsv_elements *coarser, *finer;
+    const rsv_rgb *value;
+    rsv_rgb *carried;
+} carry_job;
+
+static void carry_nodes(void *data, rsv_span span)
+{
+    const carry_job *job = data;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->carried[n] = value_at(job->coarser, job->value, job->finer, n);
+}
+
 /// @param field of coarser elements; out: of finer ones
 static rsv_status carry_over(
     const rsv_elements *coarser, const rsv_elements *finer, rsv_rgb **field)
@@ -32,9 +46,8 @@ static rsv_status carry_over(
     if (!*field) return RSV_OK;
     rsv_rgb *carried = rsv_alloc(finer->context, finer->node_count, sizeof *carried);
     if (!carried) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(finer->context))
-    for (size_t n = 0; n < finer->node_count; n++)
-        carried[n] = value_at(coarser, *field, finer, (uint32_t)n);
+    carry_job job = { coarser, finer, *field, carried };
+    rsv_parallel_for(finer->context, finer->node_count, 0, carry_nodes, &job);
     rsv_free(finer->context, *field);
     *field = carried;
     return RSV_OK;

@@ -1,5 +1,6 @@
 /// Solved light at many points at once. A lookup waits for memory more than it computes, so the points of a block go through
 /// each step side by side, and what the next step reads is fetched meanwhile.
+#include "../core/parallel.h"
 #include "light.h"
 
 #include <math.h>
@@ -115,6 +116,21 @@ static rsv_status check_points(
     return RSV_OK;
 }
 
+typedef struct points_job {
+    const lookup *lookup;
+    const rsv_triangle_point *points;
+    rsv_rgb *irradiance;
+} points_job;
+
+static void look_up_span(void *data, rsv_span span)
+{
+    const points_job *job = data;
+    for (size_t begin = span.begin; begin < span.end; begin += BLOCK) {
+        size_t end = begin + BLOCK < span.end ? begin + BLOCK : span.end;
+        look_up(job->lookup, job->points + begin, end - begin, job->irradiance + begin);
+    }
+}
+
 rsv_status rsv_light_irradiance_points(const rsv_light *light, const rsv_triangle_point *points,
     size_t count, uint32_t order, rsv_rgb *irradiance)
 {
@@ -122,10 +138,7 @@ rsv_status rsv_light_irradiance_points(const rsv_light *light, const rsv_triangl
     rsv_status status = check_points(s, points, count);
     if (status != RSV_OK) return status;
     const lookup l = plan_lookup(s, order);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t begin = 0; begin < count; begin += BLOCK) {
-        size_t end = begin + BLOCK < count ? begin + BLOCK : count;
-        look_up(&l, points + begin, end - begin, irradiance + begin);
-    }
+    points_job job = { &l, points, irradiance };
+    rsv_parallel_for(s->context, count, 0, look_up_span, &job);
     return RSV_OK;
 }

@@ -1,4 +1,5 @@
 /// How evenly rows of G can be divided, and what the parts would have to tell each other, without any other process.
+#include "../core/parallel.h"
 #include "../operator/row_tracer.h"
 #include "light_internal.h"
 
@@ -18,29 +19,41 @@ static void time_block(const rsv_row_tracer *tracer, const rsv_division *d, size
     }
 }
 
+/// What workers share that time rows.
+typedef struct time_job {
+    const rsv_row_tracer *tracer;
+    const rsv_division *division;
+    float *seconds;   ///< [node_count] along the curve
+    rsv_share blocks; ///< of rows
+    _Atomic rsv_status status;
+} time_job;
+
+static void time_blocks(void *data, int worker)
+{
+    time_job *job = data;
+    const rsv_division *d = job->division;
+    size_t blocks = job->blocks.count, step = rsv_division_step(blocks);
+    rsv_row_scratch scratch = { 0 };
+    rsv_status status = rsv_row_scratch_create(d->context, job->tracer->directions.count, &scratch);
+    rsv_keep_failure(&job->status, status);
+    for (rsv_span s; status == RSV_OK && rsv_share_take(&job->blocks, worker, &s);) {
+        if (rsv_cancelled(d->context)) break;
+        size_t first = s.begin * step % blocks * RSV_ROW_BLOCK;
+        time_block(job->tracer, d, first, &scratch, job->seconds);
+    }
+    rsv_row_scratch_destroy(d->context, &scratch);
+}
+
 /// Traces all rows once more and notes the time of each, along the curve; what was less before stays.
 static rsv_status time_rows(
     const rsv_row_tracer *tracer, const rsv_division *division, float *seconds)
 {
-    rsv_context *context = division->context;
-    rsv_status result = RSV_OK;
-    size_t blocks = division->node_count / RSV_ROW_BLOCK + 1, step = rsv_division_step(blocks);
-#pragma omp parallel num_threads(rsv_threads(context))
-    {
-        rsv_row_scratch scratch = { 0 };
-        rsv_status status = rsv_row_scratch_create(context, tracer->directions.count, &scratch);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t block = 0; block < blocks; block++)
-            if (status == RSV_OK && !rsv_cancelled(context))
-                time_block(
-                    tracer, division, block * step % blocks * RSV_ROW_BLOCK, &scratch, seconds);
-        rsv_row_scratch_destroy(context, &scratch);
-        if (status != RSV_OK) {
-#pragma omp critical
-            result = status;
-        }
-    }
-    return result == RSV_OK ? rsv_progress(context, "divide", 1) : result;
+    time_job job = { .tracer = tracer,
+        .division = division,
+        .seconds = seconds,
+        .blocks = rsv_share_of(division->node_count / RSV_ROW_BLOCK + 1, 1) };
+    rsv_parallel_workers(division->context, SIZE_MAX, time_blocks, &job);
+    return job.status == RSV_OK ? rsv_progress(division->context, "divide", 1) : job.status;
 }
 
 /// What one part's rows ask others for.

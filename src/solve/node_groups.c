@@ -1,5 +1,6 @@
 #include "node_groups.h"
 
+#include "../core/parallel.h"
 #include "../elements/voxels.h"
 #include "solve_constants.h"
 
@@ -115,15 +116,26 @@ static void assign(
     assign(nodes + half, count - half, parts - parts / 2, group, group_count);
 }
 
+typedef struct place_job {
+    const rsv_elements *elements;
+    placed_node *nodes;
+} place_job;
+
+static void place_span(void *data, rsv_span span)
+{
+    const place_job *job = data;
+    for (size_t k = span.begin; k < span.end; k++)
+        place(job->elements, job->nodes[k].node, &job->nodes[k]);
+}
+
 /// Places the nodes that do not hang. @return how many there are
 static size_t place_free_nodes(const rsv_elements *e, placed_node *nodes)
 {
     size_t count = 0;
     for (size_t n = 0; n < e->node_count; n++)
         if (e->node_hanging[n] == RSV_NONE) nodes[count++].node = (uint32_t)n;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context)) if (count > 4096)
-    for (size_t k = 0; k < count; k++)
-        place(e, nodes[k].node, &nodes[k]);
+    place_job job = { e, nodes };
+    rsv_parallel_for(e->context, count, count > 4096 ? 0 : count, place_span, &job);
     return count;
 }
 

@@ -1,5 +1,6 @@
 #include "operator.h"
 
+#include "../core/parallel.h"
 #include "../core/references.h"
 #include "../scene/material_at.h"
 #include "solve_constants.h"
@@ -60,14 +61,27 @@ rsv_rgb rsv_element_albedo(
                                                   : scene->bsdf[material].base_color;
 }
 
+typedef struct albedo_job {
+    const rsv_transport_scene *scene;
+    const rsv_elements *elements;
+    uint32_t seed;
+    rsv_rgb *albedo;
+} albedo_job;
+
+static void find_albedos(void *data, rsv_span span)
+{
+    const albedo_job *job = data;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->albedo[n] = rsv_element_albedo(job->scene, job->elements, job->seed, n);
+}
+
 rsv_status rsv_element_albedos(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, rsv_rgb **albedo)
 {
     rsv_rgb *a = *albedo = rsv_alloc(e->context, e->node_count, sizeof *a);
     if (!a) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++)
-        a[n] = rsv_element_albedo(scene, e, seed, (uint32_t)n);
+    albedo_job job = { scene, e, seed, a };
+    rsv_parallel_for(e->context, e->node_count, 256, find_albedos, &job);
     return RSV_OK;
 }
 

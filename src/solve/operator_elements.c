@@ -1,4 +1,5 @@
 /// The elements of an operator: where they are, and which of them surround a point.
+#include "../core/parallel.h"
 #include "../elements/voxels.h"
 #include "goal.h"
 #include "operator.h"
@@ -31,15 +32,28 @@ static rsv_element_weights locate_probe(const rsv_operator *op, const rsv_probe 
     return rsv_operator_locate(op, hit.triangle, hit.u, hit.v, back_side, &around) ? around : none;
 }
 
+typedef struct locate_job {
+    const rsv_operator *op;
+    const rsv_probe *probes;
+    rsv_element_weights *around;
+} locate_job;
+
+static void locate_span(void *data, rsv_span span)
+{
+    const locate_job *job = data;
+    const rsv_context *context = rsv_operator_get_view(job->op)->context;
+    for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++)
+        job->around[k] = locate_probe(job->op, &job->probes[k]);
+}
+
 rsv_status rsv_operator_locate_probes(
     const rsv_operator *op, const rsv_probe *probes, size_t count, rsv_element_weights *around)
 {
     rsv_context *context = rsv_operator_get_view(op)->context;
     rsv_status status = rsv_check_probes(probes, count);
     if (status != RSV_OK) return status;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < count; k++)
-        if (!rsv_cancelled(context)) around[k] = locate_probe(op, &probes[k]);
+    locate_job job = { op, probes, around };
+    rsv_parallel_for(context, count, 256, locate_span, &job);
     return rsv_progress(context, "probe", 1);
 }
 
@@ -53,25 +67,37 @@ static rsv_element in_air(const rsv_operator_view *view, size_t node)
         .triangle = RSV_NONE };
 }
 
+static rsv_element on_surface(const rsv_operator_view *view, uint32_t node)
+{
+    const rsv_elements *e = view->elements;
+    rsv_surface_point point = rsv_elements_node_point(view->world->scene.view, e, node);
+    uint32_t face = e->node_face[node];
+    return (rsv_element){ .position = point.position,
+        .normal = point.normal,
+        .albedo = view->albedo[node],
+        .area = e->node_area[node],
+        .triangle = e->face_triangle[face],
+        .back_side = e->face_back[face] };
+}
+
+typedef struct elements_job {
+    const rsv_operator_view *view;
+    rsv_element *element;
+} elements_job;
+
+static void describe_elements(void *data, rsv_span span)
+{
+    const elements_job *job = data;
+    const rsv_operator_view *view = job->view;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
+        job->element[n] =
+            view->elements->node_face[n] == RSV_NONE ? in_air(view, n) : on_surface(view, n);
+}
+
 rsv_status rsv_operator_elements(const rsv_operator *op, rsv_element *element)
 {
     const rsv_operator_view *view = rsv_operator_get_view(op);
-    const rsv_elements *e = view->elements;
-    const rsv_scene_view *scene = view->world->scene.view;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(view->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        if (e->node_face[n] == RSV_NONE) {
-            element[n] = in_air(view, n);
-            continue;
-        }
-        rsv_surface_point point = rsv_elements_node_point(scene, e, (uint32_t)n);
-        uint32_t face = e->node_face[n];
-        element[n] = (rsv_element){ .position = point.position,
-            .normal = point.normal,
-            .albedo = view->albedo[n],
-            .area = e->node_area[n],
-            .triangle = e->face_triangle[face],
-            .back_side = e->face_back[face] };
-    }
+    elements_job job = { view, element };
+    rsv_parallel_for(view->context, view->elements->node_count, 0, describe_elements, &job);
     return RSV_OK;
 }

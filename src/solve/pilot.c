@@ -1,5 +1,6 @@
 #include "pilot.h"
 
+#include "../core/parallel.h"
 #include "../elements/burial.h"
 #include "../elements/curvature.h"
 #include "../elements/elements.h"
@@ -45,25 +46,43 @@ static void shrink_clusters(rsv_elements *e, uint8_t *marked)
     }
 }
 
+/// How much light bends over each cell.
+typedef struct bend_job {
+    const rsv_goal *goal;
+    const rsv_elements *elements;
+    float *bend; ///< [cell_count]
+} bend_job;
+
+static void weigh_span(void *data, rsv_span span)
+{
+    const bend_job *job = data;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++) {
+        if (job->bend[c] == 0) continue;
+        float size = rsv_goal_size_at(job->goal, job->elements, c);
+        job->bend[c] /= size * size;
+    }
+}
+
 /// Weighs bends by what light matters to the goal where they are. What they err counts with the root of that, which is
 /// one over the size squared.
 static void weigh_bends(const rsv_goal *goal, const rsv_elements *e, float *bend)
 {
-    if (!goal->elements) return;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (bend[c] == 0) continue;
-        float size = rsv_goal_size_at(goal, e, c);
-        bend[c] /= size * size;
-    }
+    bend_job job = { goal, e, bend };
+    if (goal->elements) rsv_parallel_for(e->context, e->cell_count, 256, weigh_span, &job);
+}
+
+static void diffuse_span(void *data, rsv_span span)
+{
+    const bend_job *job = data;
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
+        if (job->bend[c] > 0) job->bend[c] *= rgb_luminance(rsv_diffused_share(job->elements, c));
 }
 
 /// Of a bend no more is seen than survives the diffusion below a translucent surface.
 static void diffuse_bends(const rsv_elements *e, float *bend)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        if (bend[c] > 0) bend[c] *= rgb_luminance(rsv_diffused_share(e, c));
+    bend_job job = { .elements = e, .bend = bend };
+    rsv_parallel_for(e->context, e->cell_count, 0, diffuse_span, &job);
 }
 
 /// Leaves cells alone that an edit of the scene is far from: they are split as they were before.

@@ -1,5 +1,6 @@
 #include "pilot_near.h"
 
+#include "../core/parallel.h"
 #include "../elements/elements.h"
 #include "../update/element_keys.h"
 #include "pilot.h"
@@ -29,23 +30,38 @@ static rsv_status allocate_settled(const rsv_builder *b, settled_light *then)
     return then->source && then->indirect ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
-/// looked at again.
-static rsv_status sort_nodes(const rsv_builder *b, settled_light *light)
+typedef struct sort_job {
+    const rsv_builder *builder;
+    const uint64_t *key; ///< [node_count]
+    settled_light *light;
+} sort_job;
+
+static void sort_span(void *data, rsv_span span)
 {
+    const sort_job *job = data;
+    const rsv_builder *b = job->builder;
     const rsv_history *history = rsv_history_of(&b->scene);
     const rsv_elements *e = b->elements;
-    uint64_t *key = NULL;
-    rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
+    settled_light *light = job->light;
+    for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_history_node *then = rsv_history_find_node(history, e, n, job->key[n]);
         light->far[n] = !b->valid_points[n] || (then && !rsv_history_is_node_near(history, e, n));
         if (!then) continue;
         light->indirect[n] = then->indirect;
         if (light->far[n]) light->source[n] = then->source; // nothing is gathered without a row
     }
+}
+
+/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
+/// looked at again.
+static rsv_status sort_nodes(const rsv_builder *b, settled_light *light)
+{
+    const rsv_elements *e = b->elements;
+    uint64_t *key = NULL;
+    rsv_status status = rsv_node_keys_create(e, &key);
+    sort_job job = { b, key, light };
+    if (status == RSV_OK) rsv_parallel_for(b->context, e->node_count, 256, sort_span, &job);
     rsv_free(b->context, key);
     return status;
 }

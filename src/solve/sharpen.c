@@ -1,5 +1,6 @@
 #include "sharpen.h"
 
+#include "../core/parallel.h"
 #include "solve_constants.h"
 
 #include <string.h>
@@ -23,12 +24,19 @@ static luminance_range range_around(const rsv_elements *e, const rsv_rgb *value,
     return range;
 }
 
-void rsv_sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *twice)
+typedef struct sharpen_job {
+    const rsv_elements *elements;
+    const rsv_rgb *value, *twice;
+    rsv_rgb *once; ///< in: averaged once; out: the sharp field
+} sharpen_job;
+
+static void sharpen_nodes(void *data, rsv_span span)
 {
-    rsv_elements_average(e, value, once);
-    rsv_elements_average(e, once, twice);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
+    const sharpen_job job = *(const sharpen_job *)data;
+    const rsv_elements *e = job.elements;
+    const rsv_rgb *value = job.value, *twice = job.twice;
+    rsv_rgb *once = job.once;
+    for (size_t n = span.begin; n < span.end; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue; // constrained below
         luminance_range range = range_around(e, value, n);
         rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
@@ -37,6 +45,14 @@ void rsv_sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *
                       luminance <= range.high;
         once[n] = smooth ? sharp : value[n]; // `once` is free as soon as it is read
     }
+}
+
+void rsv_sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *twice)
+{
+    rsv_elements_average(e, value, once);
+    rsv_elements_average(e, once, twice);
+    sharpen_job job = { e, value, twice, once };
+    rsv_parallel_for(e->context, e->node_count, 0, sharpen_nodes, &job);
     memcpy(value, once, e->node_count * sizeof *value);
     rsv_elements_constrain(e, value);
 }

@@ -1,5 +1,6 @@
 #include "source.h"
 
+#include "../core/parallel.h"
 #include "../direct/voxel_direct.h"
 #include "../update/kept_light.h"
 #include "../update/update.h"
@@ -130,26 +131,37 @@ rsv_status rsv_source_refine_level(
         &s->scene, s->sources->lights, s->elements, &desc, finer, &s->report.rays);
 }
 
+static void complete_nodes(void *job, rsv_span span)
+{
+    rsv_light *s = job;
+    const rsv_rgb *caustic = s->field.caustics.coarse_caustic;
+    for (size_t n = span.begin; n < span.end; n++) {
+        s->field.source[n] = rgb_add(s->field.source[n], s->field.gathered[n]);
+        if (caustic) s->field.source[n] = rgb_add(s->field.source[n], caustic[n]);
+    }
+}
+
 void rsv_source_complete(rsv_light *s)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->field.source[n] = rgb_add(s->field.source[n], s->field.gathered[n]);
-        if (s->field.caustics.coarse_caustic)
-            s->field.source[n] = rgb_add(s->field.source[n], s->field.caustics.coarse_caustic[n]);
-    }
+    rsv_parallel_for(s->context, s->elements->node_count, 0, complete_nodes, s);
     rsv_elements_constrain(s->elements, s->field.gathered);
     rsv_elements_constrain(s->elements, s->field.source);
+}
+
+static void add_emission(void *job, rsv_span span)
+{
+    rsv_light *s = job;
+    const rsv_transport *rows = rsv_operator_get_view(s->op)->transport;
+    rsv_rgb *gathered = s->field.gathered;
+    for (size_t n = span.begin; n < span.end; n++)
+        gathered[n] = rgb_add(gathered[n], rgb_mul(rows->gathered[n], s->gathered_scale));
 }
 
 void rsv_source_add_gathered(rsv_light *s)
 {
     const rsv_transport *rows = rsv_operator_get_view(s->op)->transport;
-    rsv_rgb *gathered = s->field.gathered;
-    rsv_transport_environment(rows, s->sources->bin_radiance, gathered);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < s->elements->node_count; n++)
-        gathered[n] = rgb_add(gathered[n], rgb_mul(rows->gathered[n], s->gathered_scale));
+    rsv_transport_environment(rows, s->sources->bin_radiance, s->field.gathered);
+    rsv_parallel_for(s->context, s->elements->node_count, 0, add_emission, s);
     rsv_source_complete(s);
 }
 

@@ -1,5 +1,6 @@
 #include "transport_map.h"
 
+#include "../core/parallel.h"
 #include "../core/team.h"
 #include "../operator/transport_rows.h"
 #include "../solver/linear_solver.h"
@@ -9,20 +10,45 @@
 
 static const rsv_rgb *rgb_field(const float *field) { return (const rsv_rgb *)field; }
 
+/// One of several fields that lie node by node.
+typedef struct field_job {
+    rsv_transport_map *map;
+    size_t fields, f;
+    const rsv_rgb *field;
+    rsv_rgb *exitance;
+} field_job;
+
+/// For all nodes; on the calling thread alone where there are few.
+static void for_nodes(rsv_transport_map *m, void (*body)(void *, rsv_span), field_job *job)
+{
+    size_t nodes = m->linear.count;
+    rsv_parallel_for(m->linear.context, nodes, nodes > RSV_PARALLEL_NODES ? 0 : nodes, body, job);
+}
+
+static void take_field(void *data, rsv_span span)
+{
+    const field_job job = *(const field_job *)data;
+    for (size_t n = span.begin; n < span.end; n++)
+        job.map->filled[n] = job.field[n * job.fields + job.f];
+}
+
+static void reflect_field(void *data, rsv_span span)
+{
+    const field_job job = *(const field_job *)data;
+    const rsv_rgb *albedo = job.map->albedo, *scattered = job.map->scattered;
+    for (size_t n = span.begin; n < span.end; n++)
+        job.exitance[n * job.fields + job.f] = rgb_mul(albedo[n], scattered[n]);
+}
+
 /// Exitance of all nodes: hanging ones filled in, then diffused below the surface, then K's albedo.
 static void scatter(rsv_transport_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *exitance)
 {
-    size_t nodes = m->linear.count;
-    int threads = nodes > RSV_PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
-    for (size_t f = 0; f < fields; f++) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (size_t n = 0; n < nodes; n++)
-            m->filled[n] = field[n * fields + f];
+    field_job job = { m, fields, 0, field, exitance };
+    for (; job.f < fields; job.f++) {
+        for_nodes(m, take_field, &job);
         rsv_elements_constrain(m->elements, m->filled);
         rsv_subsurface_apply(m->subsurface, m->elements, m->filled, m->scattered);
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (size_t n = 0; n < nodes; n++)
-            exitance[n * fields + f] = rgb_mul(m->albedo[n], m->scattered[n]);
+        for_nodes(m, reflect_field, &job);
     }
 }
 
@@ -60,18 +86,23 @@ static void diffuse_transpose(rsv_transport_map *m, size_t fields, rsv_rgb *all)
     }
 }
 
+static void reflect_all(void *data, rsv_span span)
+{
+    const field_job job = *(const field_job *)data;
+    const rsv_rgb *albedo = job.map->albedo;
+    for (size_t n = span.begin; n < span.end; n++)
+        for (size_t k = n * job.fields; k < (n + 1) * job.fields; k++)
+            job.exitance[k] = rgb_mul(albedo[n], job.exitance[k]);
+}
+
 /// K* G*.
 static void apply_transpose(void *data, size_t columns, const float *field, float *image)
 {
     rsv_transport_map *m = data;
-    size_t fields = columns / 3, nodes = m->linear.count;
+    size_t fields = columns / 3;
     rsv_rgb *all = (rsv_rgb *)image;
     rsv_transport_apply_transpose(m->columns, fields, rgb_field(field), m->exitance, all);
-    int threads = nodes > RSV_PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t n = 0; n < nodes; n++)
-        for (size_t f = 0; f < fields; f++)
-            all[n * fields + f] = rgb_mul(m->albedo[n], all[n * fields + f]);
+    for_nodes(m, reflect_all, &(field_job){ .map = m, .fields = fields, .exitance = all });
     if (m->subsurface) diffuse_transpose(m, fields, all);
     rsv_elements_constrain_transpose(m->elements, fields, all);
 }
@@ -154,17 +185,29 @@ static void sum_row(const rsv_transport_map *m, size_t row, double *sums)
     }
 }
 
-/// Light that leaves a translucent body is taken to leave where it entered: close enough between groups. Threads take
+enum { STRIPES = 16 };
+
+typedef struct group_sums {
+    const rsv_transport_map *map;
+    double *sums;
+} group_sums;
+
+static void sum_stripes(void *job, rsv_span span)
+{
+    const group_sums *g = job;
+    const rsv_linear_map *linear = &g->map->linear;
+    for (size_t stripe = span.begin; stripe < span.end; stripe++)
+        for (size_t row = 0; row < linear->count; row++)
+            if (linear->group[row] != RSV_NONE && linear->group[row] % STRIPES == stripe)
+                sum_row(g->map, row, g->sums);
+}
+
+/// Light that leaves a translucent body is taken to leave where it entered: close enough between groups. Workers take
 /// stripes of groups and go through all rows for them: each sum has the order of the rows.
 static void sum_groups(void *data, double *sums)
 {
     const rsv_transport_map *m = data;
-    enum { stripes = 16 };
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(m->linear.context))
-    for (uint32_t stripe = 0; stripe < stripes; stripe++)
-        for (size_t row = 0; row < m->linear.count; row++)
-            if (m->linear.group[row] != RSV_NONE && m->linear.group[row] % stripes == stripe)
-                sum_row(m, row, sums);
+    rsv_parallel_for(m->linear.context, STRIPES, 1, sum_stripes, &(group_sums){ m, sums });
 }
 
 /// One RGB field after the other.
@@ -223,7 +266,8 @@ static rsv_status add_krylov(rsv_transport_map *m)
         .transport = m->transport,
         .elements = m->elements,
         .albedo = m->albedo,
-        .threads = rsv_threads(m->linear.context),
+        .context = m->linear.context,
+        .parallel_for = rsv_parallel_for,
         .scatter = m->subsurface ? scatter_whole : NULL,
         .user = m };
     rsv_status status = team->table->krylov->create(&system, &m->krylov, message);

@@ -1,5 +1,7 @@
 #include "columns.h"
 
+#include "../core/parallel.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -19,18 +21,45 @@ static size_t block_end(const rsv_field_shape *s, size_t block)
     return end < s->count ? end : s->count;
 }
 
-void rsv_columns_dot(const rsv_field_shape *s, const float *a, const float *b, double *product)
+/// What a loop over rows works on. A factor is one of each column.
+typedef struct columns_job {
+    const rsv_field_shape *shape;
+    const double *factor;
+    const float *x;
+    float *y;
+} columns_job;
+
+/// A loop over all rows; on the calling thread alone where there are few.
+static void for_rows(void (*body)(void *, rsv_span), columns_job *job)
 {
-    size_t columns = s->columns, blocks = block_count(s->count);
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t block = 0; block < blocks; block++) {
+    const rsv_field_shape *s = job->shape;
+    rsv_parallel_for(s->context, s->count, s->count > PARALLEL_ROWS ? 0 : s->count, body, job);
+}
+
+typedef struct dot_job {
+    const rsv_field_shape *shape;
+    const float *a, *b;
+} dot_job;
+
+static void sum_blocks(void *job, rsv_span span)
+{
+    const rsv_field_shape *s = ((const dot_job *)job)->shape;
+    const float *a = ((const dot_job *)job)->a, *b = ((const dot_job *)job)->b;
+    size_t columns = s->columns;
+    for (size_t block = span.begin; block < span.end; block++) {
         double *sum = s->partial + block * columns;
         memset(sum, 0, columns * sizeof *sum);
         for (size_t n = block * ROWS_PER_SUM; n < block_end(s, block); n++)
             for (size_t c = 0; c < columns; c++)
                 sum[c] += (double)a[n * columns + c] * b[n * columns + c];
     }
+}
+
+void rsv_columns_dot(const rsv_field_shape *s, const float *a, const float *b, double *product)
+{
+    size_t columns = s->columns, blocks = block_count(s->count);
+    size_t grain = s->count > PARALLEL_ROWS ? 0 : blocks;
+    rsv_parallel_for(s->context, blocks, grain, sum_blocks, &(dot_job){ s, a, b });
     memset(product, 0, columns * sizeof *product);
     for (size_t block = 0; block < blocks; block++)
         for (size_t c = 0; c < columns; c++)
@@ -48,46 +77,71 @@ void rsv_columns_max(const rsv_field_shape *s, const float *a, double *norm)
     }
 }
 
+static void add_rows(void *data, rsv_span span)
+{
+    const columns_job job = *(const columns_job *)data;
+    size_t columns = job.shape->columns;
+    for (size_t n = span.begin; n < span.end; n++)
+        for (size_t c = 0; c < columns; c++)
+            job.y[n * columns + c] += (float)job.factor[c] * job.x[n * columns + c];
+}
+
 void rsv_columns_add(const rsv_field_shape *s, const double *factor, const float *x, float *y)
 {
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t n = 0; n < s->count; n++)
-        for (size_t c = 0; c < s->columns; c++)
-            y[n * s->columns + c] += (float)factor[c] * x[n * s->columns + c];
+    for_rows(add_rows, &(columns_job){ s, factor, x, y });
+}
+
+static void scale_add_rows(void *data, rsv_span span)
+{
+    const columns_job job = *(const columns_job *)data;
+    size_t columns = job.shape->columns;
+    for (size_t n = span.begin; n < span.end; n++)
+        for (size_t c = 0; c < columns; c++)
+            job.y[n * columns + c] =
+                job.x[n * columns + c] + (float)job.factor[c] * job.y[n * columns + c];
 }
 
 void rsv_columns_scale_add(const rsv_field_shape *s, const float *x, const double *factor, float *y)
 {
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t n = 0; n < s->count; n++)
-        for (size_t c = 0; c < s->columns; c++)
-            y[n * s->columns + c] =
-                x[n * s->columns + c] + (float)factor[c] * y[n * s->columns + c];
+    for_rows(scale_add_rows, &(columns_job){ s, factor, x, y });
+}
+
+static void scale_rows(void *data, rsv_span span)
+{
+    const columns_job job = *(const columns_job *)data;
+    size_t columns = job.shape->columns;
+    for (size_t n = span.begin; n < span.end; n++)
+        for (size_t c = 0; c < columns; c++)
+            job.y[n * columns + c] = (float)job.factor[c] * job.x[n * columns + c];
 }
 
 void rsv_columns_scale(const rsv_field_shape *s, const double *factor, const float *x, float *y)
 {
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t n = 0; n < s->count; n++)
-        for (size_t c = 0; c < s->columns; c++)
-            y[n * s->columns + c] = (float)factor[c] * x[n * s->columns + c];
+    for_rows(scale_rows, &(columns_job){ s, factor, x, y });
+}
+
+static void sum_rows(void *data, rsv_span span)
+{
+    const columns_job job = *(const columns_job *)data;
+    size_t columns = job.shape->columns;
+    for (size_t k = span.begin * columns; k < span.end * columns; k++)
+        job.y[k] += job.x[k];
 }
 
 void rsv_columns_sum(const rsv_field_shape *s, const float *x, float *y)
 {
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t k = 0; k < s->count * s->columns; k++)
-        y[k] += x[k];
+    for_rows(sum_rows, &(columns_job){ s, NULL, x, y });
+}
+
+static void subtract_rows(void *data, rsv_span span)
+{
+    const columns_job job = *(const columns_job *)data;
+    size_t columns = job.shape->columns;
+    for (size_t k = span.begin * columns; k < span.end * columns; k++)
+        job.y[k] -= job.x[k];
 }
 
 void rsv_columns_subtract(const rsv_field_shape *s, const float *x, float *y)
 {
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(s->context)) if (s->count > PARALLEL_ROWS)
-    for (size_t k = 0; k < s->count * s->columns; k++)
-        y[k] -= x[k];
+    for_rows(subtract_rows, &(columns_job){ s, NULL, x, y });
 }

@@ -139,7 +139,7 @@ RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local, bool guess)
 #define RSV_LEAST_SHARE 0.25f
 
 /// Of the first of two.
-RSV_INLINE float rsv_share_of(float first, float second)
+RSV_INLINE float rsv_weight_share(float first, float second)
 {
     if (!(first > 0)) return 0;
     if (!(second > 0)) return 1;
@@ -161,7 +161,8 @@ RSV_INLINE void rsv_weigh_lights(
             rsv_light_importance(&lights->emitter_tree->node[0].bounds, point, normal);
     float tree = local->tree_estimate, emitters = rsv_weigh_emitters(local, guess),
           sky = rsv_weigh_environment(local);
-    float lamps_share = rsv_share_of(tree + emitters, sky), among = rsv_share_of(tree, emitters);
+    float lamps_share = rsv_weight_share(tree + emitters, sky),
+          among = rsv_weight_share(tree, emitters);
     local->tree_share = lamps_share * among;
     for (uint32_t i = 0; i < local->count && emitters > 0; i++)
         local->probability[i] *= lamps_share * (1 - among) / emitters;

@@ -225,7 +225,7 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;
     if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
-    rsv_bvh_destroy(tracer->head.hierarchy);
+    rsv_bvh_destroy(&tracer->head.hierarchy->bvh);
     place_apart(tracer, vertices);
     rsv_tracer_head_find_twins(&tracer->head);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);

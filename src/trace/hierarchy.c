@@ -4,12 +4,12 @@
 
 rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view)
 {
-    rsv_bvh *kept = rsv_tracer_head_of(tracer)->hierarchy;
+    const rsv_tracer_head *head = rsv_tracer_head_of(tracer);
+    rsv_device_hierarchy *kept = head->hierarchy;
     rsv_status status = RSV_OK;
-#pragma omp critical(rsv_tracer_hierarchy)
-    {
-        if (!kept->context) status = rsv_bvh_build_scene(rsv_tracer_head_of(tracer)->scene, kept);
-        *view = kept->view;
-    }
+    pthread_mutex_lock(&kept->lock);
+    if (!kept->bvh.context) status = rsv_bvh_build_scene(head->scene, &kept->bvh);
+    *view = kept->bvh.view;
+    pthread_mutex_unlock(&kept->lock);
     return status;
 }

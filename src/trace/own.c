@@ -113,7 +113,7 @@ bool rsv_tracer_is_apart(const rsv_tracer *tracer) { return tracer->apart != NUL
 rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
     if (!tracer->apart) return RSV_OK; // nothing moves yet
-    rsv_bvh_destroy(tracer->head.hierarchy);
+    rsv_bvh_destroy(&tracer->head.hierarchy->bvh);
     rsv_tracer_head_find_twins(&tracer->head);
     return build_part(tracer, true, &tracer->moving);
 }

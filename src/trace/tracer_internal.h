@@ -5,10 +5,18 @@
 #include "../bvh/bvh.h"
 #include "resolvent/trace.h"
 
+#include <pthread.h>
+
+/// A hierarchy of all triangles, for devices; empty until one asks.
+typedef struct rsv_device_hierarchy {
+    pthread_mutex_t lock;
+    rsv_bvh bvh;
+} rsv_device_hierarchy;
+
 typedef struct rsv_tracer_head {
     rsv_context *context;
     const rsv_scene *scene;
-    rsv_bvh *hierarchy;          ///< of all triangles, for devices; empty until one asks
+    rsv_device_hierarchy *hierarchy;
     const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
     bool blended;                ///< light passes some surfaces in part (passage.h)
 } rsv_tracer_head;

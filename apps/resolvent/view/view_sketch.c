@@ -1,5 +1,6 @@
 #include "view_sketch.h"
 
+#include "../parallel.h"
 #include "view_still.h"
 
 #include "resolvent/trace.h"
@@ -160,25 +161,35 @@ static void shade(
     pixel[3] = 255;
 }
 
-static void draw_row(
-    const cli_sketch *s, const tone *t, const lens *l, uint32_t row, const cli_canvas *canvas)
+typedef struct drawing {
+    const cli_sketch *sketch;
+    tone tone;
+    lens lens;
+    const cli_canvas *canvas;
+} drawing;
+
+static void draw_row(const drawing *d, uint32_t row)
 {
     rsv_ray_packet packet;
+    const cli_canvas *canvas = d->canvas;
     uint8_t(*pixel)[4] = canvas->pixel + (size_t)row * canvas->width;
     for (uint32_t first = 0; first < canvas->width; first += RSV_PACKET_WIDTH) {
-        aim(l, first, row, canvas, &packet);
-        rsv_tracer_closest_packet(s->tracer, &packet, true);
+        aim(&d->lens, first, row, canvas, &packet);
+        rsv_tracer_closest_packet(d->sketch->tracer, &packet, true);
         for (uint32_t k = 0; k < RSV_PACKET_WIDTH && first + k < canvas->width; k++)
-            shade(s, &packet, k, t, pixel[first + k]);
+            shade(d->sketch, &packet, k, &d->tone, pixel[first + k]);
     }
+}
+
+static void draw_rows(void *job, size_t begin, size_t end)
+{
+    for (size_t row = begin; row < end; row++)
+        draw_row(job, (uint32_t)row);
 }
 
 void cli_sketch_draw(const cli_sketch *s, cli_view_state *state, cli_canvas *canvas)
 {
     state->aspect = (float)canvas->width / (float)canvas->height;
-    lens l = lens_of(&state->camera, state->aspect);
-    tone t = tone_of(state);
-#pragma omp parallel for schedule(dynamic, 8) num_threads((int)s->threads)
-    for (uint32_t row = 0; row < canvas->height; row++)
-        draw_row(s, &t, &l, row, canvas);
+    drawing d = { s, tone_of(state), lens_of(&state->camera, state->aspect), canvas };
+    cli_parallel_for(s->threads, canvas->height, 8, draw_rows, &d);
 }
