@@ -47,14 +47,22 @@ static rsv_status move_elements(level_follower *f)
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
 }
 
+/// What the coarse elements tell, unless these were divided further than the cell.
+static bool may_be_changed(const level_follower *f, const rsv_cell *cell)
+{
+    const rsv_elements *coarse = f->b.coarse;
+    uint32_t around = rsv_elements_find_around(coarse, cell);
+    return f->coarse_changed[around] || coarse->cell[around].level > cell->level;
+}
+
 static void judge_cells(void *data, rsv_span span)
 {
     const level_follower *f = data;
-    const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
+    const rsv_elements *e = f->b.elements;
     for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
-        f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
-                        (f->coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
-                            rsv_light_shafts_meet(f->motion->shafts, e, c));
+        f->changed[c] =
+            f->motion->moved[e->face_triangle[e->cell[c].face]] ||
+            (may_be_changed(f, &e->cell[c]) && rsv_light_shafts_meet(f->motion->shafts, e, c));
 }
 
 /// Cells where light may be another: looked for in coarse cells where it may be.

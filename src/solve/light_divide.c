@@ -160,8 +160,6 @@ rsv_status rsv_light_divide(rsv_light_motion *m, bool from_first, rsv_divided_el
         .draw = { RSV_SUPPORT_POINTS, s->desc.seed } };
     if (from_first) rsv_elements_find_areas(f->first);
     RSV_TRY(rsv_elements_divide(&s->world->scene, &before, d, &s->report.rays));
-    f->split = !from_first;
-    if (!d->elements) goto cleanup;
     RSV_TRY(mark_anew(m, d));
     RSV_TRY(carry_all(m, d));
     rsv_elements_destroy(f->elements);
@@ -170,6 +168,7 @@ rsv_status rsv_light_divide(rsv_light_motion *m, bool from_first, rsv_divided_el
     f->valid_points = d->valid_points;
     d->elements = NULL;
     d->valid_points = NULL;
+    f->split = !from_first;
     if (from_first) f->unsettled.count = 0;
     m->divides = true;
 cleanup:

@@ -6,8 +6,7 @@
 ///    keeps its rays and its light.
 /// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
 /// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
-///    is split further there (direct/source_follow.c) and, once splits pile up or where light changes in a large part, built
-///    anew (update/level_before.h).
+///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
 /// 5. E = E0 + G K E is solved on from the E of before.
 #include "../core/device.h"
 #include "../core/parallel.h"
@@ -18,7 +17,6 @@
 #include "../update/update.h"
 #include "light_motion.h"
 #include "resolvent/update.h"
-#include "solve_constants.h"
 #include "source.h"
 
 #include <string.h>
@@ -163,7 +161,7 @@ static rsv_status divide_operator(motion *m, bool from_first)
     rsv_divided_elements d;
     rsv_status status;
     RSV_TRY(rsv_light_divide(m, from_first, &d));
-    if (m->begins || !m->divides) goto cleanup; // rows are traced as a whole, or stay
+    if (m->begins) goto cleanup; // rows are traced as a whole
     const rsv_transport_desc desc = describe_rows(s);
     const rsv_rows_division rows = { d.node_before, d.node_now };
     RSV_TRY(rsv_tracked_rows_divide(f->rows, &desc, &rows, &f->rows));
@@ -275,12 +273,6 @@ static rsv_status divide_again(motion *m, const rsv_level_limits *limits)
     return status;
 }
 
-/// Whether light may be another in so large a part that its level costs less anew.
-static bool changes_much(const motion *m)
-{
-    return (double)(m->lit - m->kept_lit) > MUCH_LIGHT * (double)m->lit;
-}
-
 /// Direct light and caustics on their own elements.
 static rsv_status find_levels(motion *m)
 {
@@ -292,7 +284,7 @@ static rsv_status find_levels(motion *m)
     add_to(undivided, &m->change);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
-    if (!m->begins && (changes_much(m) || rsv_source_has_grown(s)))
+    if (!m->begins && (m->divides || rsv_source_has_grown(s)))
         RSV_TRY(divide_again(m, &limits));
     else
         RSV_TRY(rsv_source_follow_levels(s, &limits, m->begins ? NULL : &moved));

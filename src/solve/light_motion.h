@@ -39,7 +39,7 @@ rsv_status rsv_following_create(rsv_light *light, rsv_following **following);
 
 /// Divides coarse elements again where surfaces touch now, and takes the light's fields to them. Rows and the operator are
 /// still those of before; `anew` is of the new elements.
-/// @param division out: of the rows; to be freed, and without elements and valid points; empty where none is divided
+/// @param division out: of the rows; to be freed, and without elements and valid points
 rsv_status rsv_light_divide(rsv_light_motion *m, bool from_first, rsv_divided_elements *division);
 
 #endif

@@ -133,14 +133,11 @@
 /// room of 100 lamps, draft: photons of a basis take about half of its time.
 #define RSV_FULL_PHOTON_SOURCES 16
 
-// ---- Lights that follow what moves (light_follow.c, source.c) -----------------------------------------
+// ---- Lights that follow what moves (source.c) --------------------------------------------------------
 
 /// Cells of a level of direct light, over those it was built with, from which on it is built anew: splits for shadows that have
 /// moved on are never undone.
 #define MOST_GROWTH 1.3f
-/// Part of the coarse nodes whose direct light may be another, from which on that level is built anew. Measured: 150 instead of
-/// 214 ms where a block's shadow is a third of cornell-blocks.
-#define MUCH_LIGHT 0.15
 
 // ---- Solvers (measure_solver.c, node_groups.c) -------------------------------------------------------
 

@@ -21,7 +21,7 @@ typedef struct rsv_elements_before {
 
 /// Divided elements, and which of them are what they were.
 typedef struct rsv_divided_elements {
-    rsv_elements *elements; ///< to be destroyed; NULL = nothing asks to be divided
+    rsv_elements *elements; ///< to be destroyed
     uint16_t *valid_points; ///< [node_count] to be freed, as the others
     uint32_t *
         node_before; ///< [node_count] node that received the same light in the same way; RSV_NONE = none did
@@ -29,7 +29,6 @@ typedef struct rsv_divided_elements {
     uint32_t *node_now;
 } rsv_divided_elements;
 
-/// @param divided out: empty where `start` are the elements as they are, and none of their cells asks to be split
 rsv_status rsv_elements_divide(const rsv_transport_scene *scene, const rsv_elements_before *before,
     rsv_divided_elements *divided, uint64_t *rays);
 
