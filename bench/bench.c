@@ -70,7 +70,7 @@ static const char help[] =
     "                     reference; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_READING_HELP CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium or high. Default: draft for moving and fps, high for quality (the\n"
-    "                     best compared) and gpu, medium for the others\n"
+    "                     best compared) and gpu, draft and medium for assemble, medium for the others\n"
     "  --max-time S       pictures: seconds per scene, with fewer pictures and coarser references if that\n"
     "                     is too little (default 300)\n"
     "  --paths N          certificate: paths at each of 2000 points, twice (default 2048); bake: paths at\n"
@@ -110,7 +110,8 @@ static const benchmark benchmarks[] = {
         .run = cli_bench_assemble,
         .print = cli_print_assemble,
         .scenes = { "cornell-blocks" },
-        .repetitions = 5 },
+        .repetitions = 5,
+        .quality = BENCH_DRAFT_AND_MEDIUM },
     { .name = "quality",
         .run = cli_bench_quality,
         .print = cli_print_quality,
@@ -131,7 +132,8 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_solvers_csv,
         .write_plot = cli_write_solvers_plot,
         .scenes = { "cornell-blocks", "bright-box" },
-        .repetitions = 5 },
+        .repetitions = 5,
+        .quality = RSV_QUALITY_MEDIUM },
     { .name = "fps",
         .run = cli_bench_fps,
         .print = cli_print_fps,
@@ -365,10 +367,10 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
         b->run != cli_bench_rebake && b->run != cli_bench_moving && b->run != cli_bench_gpu &&
-        !flies && !bakes)
+        b->run != cli_bench_assemble && b->run != cli_bench_solvers && !flies && !bakes)
         return cli_usage_error("bench",
-            "--quality belongs to bench bake, levels, quality, rebake, moving, gpu, fps, rooms and "
-            "pictures");
+            "--quality belongs to bench assemble, solvers, bake, levels, quality, rebake, moving, gpu, "
+            "fps, rooms and pictures");
     if (s->bench.gloss >= 0 && !flies)
         return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
     bool has_frames = (flies && b->run != cli_bench_pictures) || b->run == cli_bench_moving;

@@ -83,7 +83,10 @@ bool cli_bench_assemble(const cli_bench_task *bench, cJSON *result)
     cJSON *qualities = cJSON_AddArrayToObject(result, "qualities");
     if (timing.packet_ratio && timing.single_ratio) {
         status = RSV_OK;
-        for (rsv_quality q = RSV_QUALITY_DRAFT; q <= RSV_QUALITY_MEDIUM && !status; q++) {
+        bool both = bench->quality == BENCH_DRAFT_AND_MEDIUM;
+        rsv_quality first = both ? RSV_QUALITY_DRAFT : (rsv_quality)bench->quality;
+        rsv_quality last = both ? RSV_QUALITY_MEDIUM : first;
+        for (rsv_quality q = first; q <= last && !status; q++) {
             cJSON *object = cJSON_CreateObject();
             cJSON_AddItemToArray(qualities, object);
             status = measure(bench, scene, q, &timing, object);

@@ -6,7 +6,12 @@
 #include "options.h"
 #include "session.h"
 
+#include "resolvent/solve.h"
+
 struct cJSON;
+
+/// The quality of benchmarks that compare two.
+enum { BENCH_DRAFT_AND_MEDIUM = RSV_QUALITY_HIGH + 1 };
 
 /// What to measure, and with what.
 typedef struct cli_bench_task {
@@ -23,10 +28,10 @@ typedef struct cli_bench_task {
     const char *assets, *cache, *strips; ///< rooms, pictures: folders; NULL = none
     uint32_t
         reference_samples; ///< quality, rooms, pictures: camera rays per pixel of the reference
-    int quality;           ///< of those that solve with one: an rsv_quality
-    float max_seconds;     ///< pictures: by the clock, for each scene
-    uint32_t paths;        ///< certificate: of each reading of the truth, 0 = default
-    cli_list references;   ///< quality: pictures whose mean is the reference; none = render it
+    int quality;       ///< of those that solve with one: an rsv_quality, or BENCH_DRAFT_AND_MEDIUM
+    float max_seconds; ///< pictures: by the clock, for each scene
+    uint32_t paths;    ///< certificate: of each reading of the truth, 0 = default
+    cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
 
 /// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, those of moving_scenes.h are rooms in

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Who may include whom: the rooms of src, and the programs beside it.
+# Who may include whom: the rooms of src, and the programs beside it; and that loops leave threads to one room.
 set -euo pipefail
 cd "$1"
 
@@ -90,7 +90,15 @@ programs() {
         }'
 }
 
+# Loops run on the workers of a context, which may be threads of an embedding program (src/core/parallel.h).
+loops() {
+    ! grep -rn --include='*.[ch]' '# *pragma omp' src apps bench |
+        grep -vE '^src/core/parallel\.c:|pragma omp (declare )?simd' |
+        sed 's/$/: loops go through src\/core\/parallel.h/' | grep . >&2
+}
+
 failed=0
 rooms || failed=1
+loops || failed=1
 programs || failed=1
 exit $failed

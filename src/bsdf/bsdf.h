@@ -109,11 +109,12 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
 /// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
 /// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
-/// @param material with the values there
-RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *material);
+/// @param material with the values there @param varied out, not `bsdf` itself
+RSV_SHARED void rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *material, rsv_bsdf *varied);
 
 /// The same for the diffuse lobe alone, at less cost: the others are undefined.
-RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *material);
+RSV_SHARED void rsv_bsdf_vary_entry(
+    const rsv_bsdf *bsdf, const rsv_material *material, rsv_bsdf *varied);
 
 /// Colours that refract each in its own way.
 typedef enum rsv_channel {

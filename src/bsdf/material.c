@@ -44,5 +44,7 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
             absorption(material->attenuation_color.g, distance),
             absorption(material->attenuation_color.b, distance));
     }
-    return rsv_bsdf_vary(&bsdf, material);
+    rsv_bsdf varied;
+    rsv_bsdf_vary(&bsdf, material, &varied);
+    return varied;
 }

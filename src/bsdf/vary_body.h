@@ -118,52 +118,50 @@ RSV_INLINE rsv_rgb rsv_bsdf_entry_scale(const rsv_bsdf *bsdf)
 /// All but what rough lobes under layers need. @return whether they do
 RSV_INLINE bool rsv_bsdf_vary_unbalanced(const rsv_bsdf *bsdf, const rsv_material *m, rsv_bsdf *to)
 {
-    rsv_bsdf varied = *bsdf;
-    varied.base_color = m->base_color;
-    varied.passed_color = m->diffuse_transmission_color;
-    varied.emission = m->emission;
-    varied.emissive = !rgb_is_black(m->emission);
-    varied.specular_tint = rsv_scaled_tint(m->specular_color, m->specular);
-    varied.metallic = m->metallic;
-    varied.transmission = m->transmission;
+    *to = *bsdf;
+    to->base_color = m->base_color;
+    to->passed_color = m->diffuse_transmission_color;
+    to->emission = m->emission;
+    to->emissive = !rgb_is_black(m->emission);
+    to->specular_tint = rsv_scaled_tint(m->specular_color, m->specular);
+    to->metallic = m->metallic;
+    to->transmission = m->transmission;
     float under = (1 - m->metallic) * (1 - m->transmission);
-    varied.passed = bsdf->solid ? 0 : under * m->diffuse_transmission;
-    varied.diffuse = under - varied.passed;
-    varied.alpha = rsv_microsurface_width(m->roughness);
-    rsv_bsdf_set_brush(&varied, m);
-    rsv_bsdf_set_layers(&varied, m);
-    rsv_bsdf_set_film(&varied, bsdf, m);
-    bool bends_at_coat = varied.ior > 1 || varied.film.share > 0;
-    bool coat = bends_at_coat && !rgb_is_black(varied.specular_tint);
-    varied.coated = coat || varied.layered;
-    bool bends = coat || (m->transmission > 0 && !varied.straight);
-    if (!bends && m->metallic == 0) varied.alpha = 0;
-    varied.alpha_place = rsv_table_alpha(varied.alpha);
-    varied.lambert = varied.diffuse == 1 && !varied.coated && !varied.solid;
-    varied.rough = varied.alpha > 0 || varied.passed > 0 || rsv_bsdf_has_rough_layers(&varied);
-    bool anew = rgb_is_black(bsdf->entry_scale) || !rsv_same_interface(&varied, bsdf);
-    if (anew) varied.entry_scale = rsv_bsdf_entry_scale(&varied);
-    *to = varied;
+    to->passed = bsdf->solid ? 0 : under * m->diffuse_transmission;
+    to->diffuse = under - to->passed;
+    to->alpha = rsv_microsurface_width(m->roughness);
+    rsv_bsdf_set_brush(to, m);
+    rsv_bsdf_set_layers(to, m);
+    rsv_bsdf_set_film(to, bsdf, m);
+    bool bends_at_coat = to->ior > 1 || to->film.share > 0;
+    bool coat = bends_at_coat && !rgb_is_black(to->specular_tint);
+    to->coated = coat || to->layered;
+    bool bends = coat || (m->transmission > 0 && !to->straight);
+    if (!bends && m->metallic == 0) to->alpha = 0;
+    to->alpha_place = rsv_table_alpha(to->alpha);
+    to->lambert = to->diffuse == 1 && !to->coated && !to->solid;
+    to->rough = to->alpha > 0 || to->passed > 0 || rsv_bsdf_has_rough_layers(to);
+    bool anew = rgb_is_black(bsdf->entry_scale) || !rsv_same_interface(to, bsdf);
+    if (anew) to->entry_scale = rsv_bsdf_entry_scale(to);
     return anew;
 }
 
-RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *m)
+RSV_SHARED void rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *m, rsv_bsdf *varied)
 {
-    rsv_bsdf varied;
     if (bsdf->unlit) {
-        varied = *bsdf;
-        varied.emission = m->base_color;
-    } else if (rsv_bsdf_vary_unbalanced(bsdf, m, &varied)) {
-        rsv_bsdf_balance_layers(&varied);
+        *varied = *bsdf;
+        varied->emission = m->base_color;
+    } else if (rsv_bsdf_vary_unbalanced(bsdf, m, varied)) {
+        rsv_bsdf_balance_layers(varied);
     }
-    return varied;
 }
 
-RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *m)
+RSV_SHARED void rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *m, rsv_bsdf *varied)
 {
-    rsv_bsdf varied = *bsdf;
-    if (!bsdf->unlit) rsv_bsdf_vary_unbalanced(bsdf, m, &varied);
-    return varied;
+    if (bsdf->unlit)
+        *varied = *bsdf;
+    else
+        rsv_bsdf_vary_unbalanced(bsdf, m, varied);
 }
 
 #endif

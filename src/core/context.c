@@ -197,15 +197,6 @@ int rsv_threads(const rsv_context *context) { return context->thread_count; }
 
 const rsv_context_desc *rsv_context_settings(const rsv_context *context) { return &context->desc; }
 
-int rsv_thread_index(void)
-{
-#if defined(_OPENMP)
-    return omp_get_thread_num();
-#else
-    return 0;
-#endif
-}
-
 rsv_team *rsv_context_team(const rsv_context *context) { return context->desc.team; }
 
 rsv_team *rsv_team_of(const rsv_context *context)

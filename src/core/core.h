@@ -60,9 +60,6 @@ int rsv_threads(const rsv_context *context);
 /// What the context was made from.
 const rsv_context_desc *rsv_context_settings(const rsv_context *context);
 
-/// Number of the calling thread within its OpenMP team; 0 is the thread that entered the library.
-int rsv_thread_index(void);
-
 /// True once somebody asked to stop, or past a deadline. Cheap: parallel loops poll it.
 bool rsv_cancelled(const rsv_context *context);
 

@@ -1,6 +1,16 @@
 #include "first_map.h"
 
 #include "key.h"
+#include "parallel.h"
+
+static void clear_slots(void *user, rsv_span span)
+{
+    const rsv_first_map *map = user;
+    for (size_t k = span.begin; k < span.end; k++) {
+        atomic_init(&map->slot[k].key, 0);
+        atomic_init(&map->slot[k].first, UINT32_MAX);
+    }
+}
 
 rsv_status rsv_first_map_create(rsv_context *context, size_t most, rsv_first_map *map)
 {
@@ -9,11 +19,7 @@ rsv_status rsv_first_map_create(rsv_context *context, size_t most, rsv_first_map
         map->capacity *= 2;
     map->slot = rsv_reserve(context, map->capacity, sizeof *map->slot);
     if (!map->slot) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < map->capacity; k++) {
-        atomic_init(&map->slot[k].key, 0);
-        atomic_init(&map->slot[k].first, UINT32_MAX);
-    }
+    rsv_parallel_for(context, map->capacity, 0, clear_slots, map);
     return RSV_OK;
 }
 

@@ -6,33 +6,47 @@
 typedef struct team_job {
     void (*body)(void *job, int worker);
     void *job;
+    size_t workers;
+    atomic_size_t started;
     atomic_flag noted;  ///< set by the first worker that failed
     char message[1024]; ///< its error
 } team_job;
 
 static _Thread_local bool inside; // the body of a loop: loops in it run on this thread alone
 
-static void run_worker(void *data, size_t worker)
+static void run_worker(team_job *team, int worker)
 {
-    team_job *team = data;
     unsigned before = rsv_error_count();
     bool was_inside = inside;
     inside = true;
-    team->body(team->job, (int)worker);
+    team->body(team->job, worker);
     inside = was_inside;
     if (rsv_error_count() != before && !atomic_flag_test_and_set(&team->noted))
         snprintf(team->message, sizeof team->message, "%s", rsv_last_error());
 }
 
-static void run_team(const rsv_context *context, size_t workers, team_job *team)
+/// Workers are numbered as they start, not by their tasks: if these run one after the other, backwards, it is the first to
+/// run that does the work, and so reports progress as worker 0.
+static void run_task(void *data, size_t index)
+{
+    team_job *team = data;
+    (void)index;
+    size_t worker = atomic_fetch_add(&team->started, 1);
+    if (worker < team->workers)
+        run_worker(team, (int)worker); // a task run twice has no work of its own
+}
+
+static void run_team(const rsv_context *context, team_job *team)
 {
     const rsv_context_desc *desc = rsv_context_settings(context);
     if (desc->parallel) {
-        desc->parallel(desc->user, workers, run_worker, team);
+        desc->parallel(desc->user, team->workers, run_task, team);
+        if (team->started == 0) run_task(team, 0); // one worker is enough for all the work
         return;
     }
-#pragma omp parallel for num_threads((int)workers) schedule(static, 1)
-    for (size_t worker = 0; worker < workers; worker++)
+    int workers = (int)team->workers;
+#pragma omp parallel for num_threads(workers) schedule(static, 1)
+    for (int worker = 0; worker < workers; worker++)
         run_worker(team, worker);
 }
 
@@ -46,8 +60,8 @@ void rsv_parallel_workers(
         if (most) body(job, 0);
         return;
     }
-    team_job team = { .body = body, .job = job, .noted = ATOMIC_FLAG_INIT };
-    run_team(context, workers, &team);
+    team_job team = { .body = body, .job = job, .workers = workers, .noted = ATOMIC_FLAG_INIT };
+    run_team(context, &team);
     if (team.message[0]) rsv_note_error("%s", team.message); // the calling thread's error now
 }
 

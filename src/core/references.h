@@ -2,23 +2,16 @@
 #ifndef RSV_REFERENCES_H
 #define RSV_REFERENCES_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
-#include <stdint.h>
 
 /// One more holder. Thread-safe.
-static inline void rsv_references_add(uint32_t *count)
-{
-#pragma omp atomic update seq_cst
-    ++*count;
-}
+static inline void rsv_references_add(atomic_uint *count) { atomic_fetch_add(count, 1); }
 
 /// One holder fewer. Thread-safe. @return whether that was the last one
-static inline bool rsv_references_drop(uint32_t *count)
+static inline bool rsv_references_drop(atomic_uint *count)
 {
-    uint32_t left;
-#pragma omp atomic capture seq_cst
-    left = --*count;
-    return left == 0;
+    return atomic_fetch_sub(count, 1) == 1;
 }
 
 #endif

@@ -15,6 +15,8 @@
 #include "../core/triangle_grid.h"
 #include "../surface/entry.h"
 
+#include <stdatomic.h>
+
 /// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
 #define RSV_NODES_PER_SPLIT 2
 /// Splits halve cells: a goal's end up at most this much larger than wanted.
@@ -49,7 +51,7 @@ typedef struct rsv_led {
 
 typedef struct rsv_elements {
     rsv_context *context;
-    uint32_t references; ///< holders; rsv_elements_destroy by the last one frees
+    atomic_uint references; ///< holders; rsv_elements_destroy by the last one frees
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
     float spacing;        ///< metres between nodes that was asked for
@@ -176,8 +178,7 @@ void rsv_elements_average(const rsv_elements *elements, const rsv_rgb *value, rs
 void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
 
 /// The transposed of that: hands weights on hanging nodes to their parents and leaves 0. @param weight [node_count x fields]
-void rsv_elements_constrain_transpose(
-    const rsv_elements *elements, size_t fields, rsv_rgb *weight);
+void rsv_elements_constrain_transpose(const rsv_elements *elements, size_t fields, rsv_rgb *weight);
 
 /// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
 /// kept up to date by rsv_elements_constrain.

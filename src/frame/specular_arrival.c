@@ -99,6 +99,7 @@ static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
 typedef struct surface {
     rsv_specular_path path;
     rsv_surface_point point;
+    const rsv_bsdf *bsdf;
     rsv_bsdf_branches branches;
 } surface;
 
@@ -125,9 +126,9 @@ static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const surface *
 // ---- surfaces -----------------------------------------------------------------------------------
 
 /// Sends metal and glass on as if they were smooth: what they show behind mirrors and glass.
-static void smooth_out(const rsv_bsdf *bsdf, surface *s)
+static void smooth_out(surface *s)
 {
-    rsv_bsdf smooth = *bsdf;
+    rsv_bsdf smooth = *s->bsdf;
     smooth.alpha = 0;
     s->branches = rsv_specular_branches_of(&smooth, &s->path, &s->point);
 }
@@ -137,14 +138,15 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
 {
     const rsv_specular_path *path = &s->path;
     const rsv_surface_point *point = &s->point;
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(q->light.scene, path, &storage);
+    const rsv_bsdf *bsdf = s->bsdf;
     rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
     note_depth(q, a, lane, 0);
     bool first = path->events == 0 && path->medium.depth == 0;
     bool diffuses = !rgb_is_black(s->branches.diffuse);
     rsv_add_emission(&q->light, path, bsdf, throughput);
-    if (diffuses) rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, s->branches.diffuse));
+    if (diffuses)
+        rsv_add_diffuse_light(
+            &q->light, path, bsdf->base_color, rgb_mul(throughput, s->branches.diffuse));
     bool through = !first && path->medium.depth == 0 &&
                    rsv_sees_through_panes(&q->light, path->direction, point->position, throughput);
     if (first || through) {
@@ -155,7 +157,7 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
     } else if (diffuses) {
         rsv_add_even_gloss(&q->light, path, point, bsdf, throughput);
     } else {
-        smooth_out(bsdf, s);
+        smooth_out(s);
     }
     if (!has_room(q, 1u << lane) ||
         rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED)
@@ -171,7 +173,7 @@ static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
     surface s = { .path = path_arrived(q, a, lane) };
     const rsv_specular_path *path = &s.path;
     const rsv_transport_scene *scene = q->light.scene;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
+    const rsv_bsdf *bsdf = s.bsdf = rsv_specular_bsdf(scene, path, &storage);
     s.point = rsv_surface_point_seen(
         scene->view, path->triangle, path->u, path->v, path->back, path->width);
     s.branches = rsv_specular_branches_of(bsdf, path, &s.point);
@@ -188,7 +190,8 @@ static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
     rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
     rsv_add_emission(&q->light, path, bsdf, throughput);
     if (!rgb_is_black(s.branches.diffuse))
-        rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, s.branches.diffuse));
+        rsv_add_diffuse_light(
+            &q->light, path, bsdf->base_color, rgb_mul(throughput, s.branches.diffuse));
     leave(q, a, lane, &s, false);
     leave(q, a, lane, &s, true);
 }

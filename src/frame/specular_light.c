@@ -55,12 +55,18 @@ void rsv_add_emission(
 void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight)
 {
     rsv_specular_light *l = light;
+    rsv_bsdf storage;
+    if (l->table->solution->elements->face_of[path->back][path->triangle] != RSV_NONE)
+        rsv_add_diffuse_light(
+            l, path, rsv_specular_bsdf(l->scene, path, &storage)->base_color, weight);
+}
+
+void rsv_add_diffuse_light(
+    rsv_specular_light *l, const rsv_specular_path *path, rsv_rgb albedo, rsv_rgb weight)
+{
     const rsv_light_view *s = l->table->solution;
     uint32_t face = s->elements->face_of[path->back][path->triangle];
     if (face == RSV_NONE) return;
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(l->scene, path, &storage);
-    rsv_rgb albedo = bsdf->base_color;
     rsv_rgb shown = rsv_shown_reflected(l->table, face, albedo, path->u, path->v);
     if (l->mover) {
         const rsv_scene_view *view = l->scene->view;

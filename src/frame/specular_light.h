@@ -52,6 +52,10 @@ void rsv_add_emission(rsv_specular_light *light, const rsv_specular_path *path,
 /// @param light an rsv_specular_light @param weight radiance at the camera per B / pi
 void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight);
 
+/// The same of a surface whose base color is known.
+void rsv_add_diffuse_light(
+    rsv_specular_light *light, const rsv_specular_path *path, rsv_rgb albedo, rsv_rgb weight);
+
 /// What the rough lobes show of a surface behind mirrors and glass: as if all that they meet were even.
 /// @param point, bsdf of the surface
 void rsv_add_even_gloss(rsv_specular_light *light, const rsv_specular_path *path,

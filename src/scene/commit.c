@@ -154,8 +154,8 @@ rsv_status rsv_scene_finish(rsv_scene *scene)
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     RSV_TRY(rsv_scene_list_nodes(scene));
+    rsv_scene_release_sources(scene); // the search for twins takes memory of its own
     RSV_TRY(rsv_scene_find_twins(scene));
-    rsv_scene_release_sources(scene);
     scene->commit_tried = scene->committed = true;
 cleanup:
     return status;

@@ -26,17 +26,16 @@
 #define PLACES 16
 #define PLACES_OF_LAMP 256
 
-/// A face, for quick looks. In the order of the tree: neighbours are read together.
+/// A face, for quick looks.
 typedef struct face_box {
-    rsv_vec3 low, high, normal; ///< unit
-    float reach, rounding;      ///< see rsv_twin_reach
+    uint32_t triangle;
+    rsv_vec3 low, high;
 } face_box;
 
 typedef struct finder {
     const rsv_scene *scene;
     const rsv_scene_view *view;
     rsv_twin_tree tree;
-    face_box *box;  ///< [tree.face_count]
     uint8_t *flags; ///< [triangle_count]
     uint8_t
         *gave_up; ///< [tree.node_count] of leaves, whether they have not looked at all around them
@@ -52,6 +51,8 @@ static void flag(const finder *f, uint32_t triangle, uint8_t flags)
 
 /// What a leaf has found.
 typedef struct leaf_search {
+    face_box box[RSV_TWIN_LEAF];    ///< its own triangles
+    rsv_vec3 normal[RSV_TWIN_LEAF]; ///< theirs, unit
     uint32_t looks, found;
     bool apart;
 } leaf_search;
@@ -64,15 +65,37 @@ uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool oppo
                      (opposite ? RSV_TWIN_OPPOSITE : 0));
 }
 
-/// @param a, b places in the tree
-static void compare(const finder *f, uint32_t a, uint32_t b, leaf_search *s)
+/// How far a face reaches (rsv_twin_reach), and by how much its corners are rounded.
+typedef struct face_reach {
+    float reach, rounding;
+} face_reach;
+
+static face_reach reach_of(const finder *f, uint32_t triangle)
+{
+    rsv_twin_plane plane = rsv_twin_plane_of(f->view, triangle);
+    float rounding = rsv_twin_rounding(&plane, f->rounding);
+    return (face_reach){ rsv_twin_reach(&plane, rounding, f->reach), rounding };
+}
+
+static rsv_vec3 normal_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    rsv_vec3 normal = { 0 };
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_triangle_normal(
+        view->position[corner[0]], view->position[corner[1]], view->position[corner[2]], &normal);
+    return normal;
+}
+
+/// @param own of the leaf's triangles
+static void compare(const finder *f, leaf_search *s, uint32_t own, uint32_t other)
 {
     rsv_twin_overlap overlap;
-    const face_box *box_a = &f->box[a], *box_b = &f->box[b];
-    float rounding = f_max(box_a->rounding, box_b->rounding);
-    float reach = f_max(f_min(box_a->reach, box_b->reach), rounding);
-    const rsv_twin_face face_a = { f->tree.face[a], box_a->normal };
-    const rsv_twin_face face_b = { f->tree.face[b], box_b->normal };
+    const rsv_twin_face face_a = { s->box[own].triangle, s->normal[own] };
+    const rsv_twin_face face_b = { other, normal_of(f->view, other) };
+    if (fabsf(v3_dot(face_a.normal, face_b.normal)) < RSV_TWIN_PARALLEL) return;
+    face_reach of_a = reach_of(f, face_a.triangle), of_b = reach_of(f, other);
+    float rounding = f_max(of_a.rounding, of_b.rounding);
+    float reach = f_max(f_min(of_a.reach, of_b.reach), rounding);
     if (!rsv_twins_overlap(f->view, face_a, face_b, reach, &overlap)) return;
     flag(f, face_a.triangle, rsv_twin_flags(f->view, face_a.triangle, overlap.opposite));
     flag(f, face_b.triangle, rsv_twin_flags(f->view, face_b.triangle, overlap.opposite));
@@ -93,8 +116,7 @@ static float shared_span(float low_a, float high_a, float low_b, float high_b)
     return f_min(high_a, high_b) - f_max(low_a, low_b);
 }
 
-/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do not, and
-/// others are bent.
+/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do not.
 static bool may_overlap(const face_box *a, const face_box *b, float reach)
 {
     float x = shared_span(a->low.x, a->high.x, b->low.x, b->high.x);
@@ -104,28 +126,39 @@ static bool may_overlap(const face_box *a, const face_box *b, float reach)
     int wide = x > THIN * f_min(a->high.x - a->low.x, b->high.x - b->low.x);
     wide += y > THIN * f_min(a->high.y - a->low.y, b->high.y - b->low.y);
     wide += z > THIN * f_min(a->high.z - a->low.z, b->high.z - b->low.z);
-    return wide >= 2 && fabsf(v3_dot(a->normal, b->normal)) >= RSV_TWIN_PARALLEL;
+    return wide >= 2;
+}
+
+static face_box box_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+             c = view->position[corner[2]];
+    return (face_box){ triangle, v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c) };
 }
 
 static void compare_leaves(
     const finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
 {
-    for (uint32_t a = leaf->first; a < leaf[1].first; a++)
-        for (uint32_t b = other->first; b < other[1].first; b++) {
-            s->looks++;
-            if ((leaf != other || a < b) && may_overlap(&f->box[a], &f->box[b], f->reach))
-                compare(f, a, b, s);
-        }
+    uint32_t count = leaf[1].first - leaf->first;
+    for (uint32_t b = other->first; b < other[1].first; b++) {
+        face_box box = box_of(f->view, f->tree.face[b]);
+        uint32_t before = leaf == other ? b - leaf->first : count; // pairs of one leaf count once
+        for (uint32_t a = 0; a < before; a++)
+            if (may_overlap(&s->box[a], &box, f->reach)) compare(f, s, a, box.triangle);
+        s->looks += count;
+    }
 }
 
-/// Whether a triangle may lie within a node: by its box, and by its plane, as boxes of slanting walls hold whole rooms.
-static bool may_lie_in(const finder *f, uint32_t k, const rsv_twin_node *node)
+/// Whether a triangle of the leaf may lie within a node: by its box, and by its plane, as boxes of slanting walls hold whole
+/// rooms.
+static bool may_lie_in(const finder *f, const leaf_search *s, uint32_t k, const rsv_twin_node *node)
 {
-    const face_box *box = &f->box[k];
+    const face_box *box = &s->box[k];
     const rsv_twin_node own = { .low = box->low, .high = box->high };
     if (!boxes_meet(&own, node, f->reach)) return false;
-    rsv_vec3 to = v3_sub(node->low, f->view->position[f->view->triangle[f->tree.face[k]][0]]);
-    rsv_vec3 size = v3_sub(node->high, node->low), n = box->normal;
+    rsv_vec3 to = v3_sub(node->low, f->view->position[f->view->triangle[box->triangle][0]]);
+    rsv_vec3 size = v3_sub(node->high, node->low), n = s->normal[k];
     float near =
         v3_dot(n, to) + f_min(n.x * size.x, 0) + f_min(n.y * size.y, 0) + f_min(n.z * size.z, 0);
     float far =
@@ -134,17 +167,28 @@ static bool may_lie_in(const finder *f, uint32_t k, const rsv_twin_node *node)
     return near <= slack && far >= -slack;
 }
 
-static bool leaf_meets(const finder *f, const rsv_twin_node *leaf, const rsv_twin_node *node)
+static bool leaf_meets(
+    const finder *f, const leaf_search *s, const rsv_twin_node *leaf, const rsv_twin_node *node)
 {
     if (!boxes_meet(leaf, node, f->reach)) return false;
-    for (uint32_t k = leaf->first; k < leaf[1].first; k++)
-        if (may_lie_in(f, k, node)) return true;
+    for (uint32_t k = 0; k < leaf[1].first - leaf->first; k++)
+        if (may_lie_in(f, s, k, node)) return true;
     return false;
 }
 
 static bool has_enough(const leaf_search *s)
 {
     return s->looks > MOST_LOOKS || s->found > MOST_FOUND;
+}
+
+static leaf_search begin_search(const finder *f, const rsv_twin_node *leaf)
+{
+    leaf_search s = { 0 };
+    for (uint32_t k = 0; k < leaf[1].first - leaf->first; k++) {
+        s.box[k] = box_of(f->view, f->tree.face[leaf->first + k]);
+        s.normal[k] = normal_of(f->view, s.box[k].triangle);
+    }
+    return s;
 }
 
 /// What lies around the triangles of a leaf is not known: hits will tell.
@@ -158,12 +202,12 @@ static void take_all_flags(const finder *f, uint32_t own)
 /// Compares the triangles of a leaf with one another and with all around them in later leaves.
 static leaf_search search_after(const finder *f, uint32_t own)
 {
-    leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
     const rsv_twin_node *leaf = &tree->node[own];
+    leaf_search s = begin_search(f, leaf);
     for (uint32_t n = own; n < tree->node_count && !has_enough(&s);) {
         const rsv_twin_node *node = &tree->node[n];
-        bool meets = n == own || leaf_meets(f, leaf, node);
+        bool meets = n == own || leaf_meets(f, &s, leaf, node);
         if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
         n = meets ? n + 1 : node->next;
     }
@@ -173,12 +217,12 @@ static leaf_search search_after(const finder *f, uint32_t own)
 /// Compares the triangles of a leaf with those of earlier leaves that gave up.
 static leaf_search search_before(const finder *f, uint32_t own)
 {
-    leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
     const rsv_twin_node *leaf = &tree->node[own];
+    leaf_search s = begin_search(f, leaf);
     for (uint32_t n = 0; n < own && !has_enough(&s);) {
         const rsv_twin_node *node = &tree->node[n];
-        bool meets = leaf_meets(f, leaf, node);
+        bool meets = leaf_meets(f, &s, leaf, node);
         if (meets && f->gave_up[n]) compare_leaves(f, leaf, node, &s);
         n = meets ? n + 1 : node->next;
     }
@@ -226,37 +270,31 @@ static rsv_status find_pairs(finder *f)
     return RSV_OK;
 }
 
-static face_box box_of(const finder *f, uint32_t triangle)
+/// Of the triangle that reaches farthest.
+typedef struct reach_job {
+    const finder *finder;
+    _Atomic double reach, rounding; ///< out
+} reach_job;
+
+static void find_reach(void *data, rsv_span span)
 {
-    const rsv_scene_view *view = f->view;
-    const uint32_t *corner = view->triangle[triangle];
-    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
-             c = view->position[corner[2]];
-    face_box box = { .low = v3_min(v3_min(a, b), c), .high = v3_max(v3_max(a, b), c) };
-    rsv_twin_plane plane = rsv_twin_plane_of(view, triangle);
-    rsv_triangle_normal(a, b, c, &box.normal);
-    box.rounding = rsv_twin_rounding(&plane, f->rounding);
-    box.reach = rsv_twin_reach(&plane, box.rounding, f->reach);
-    return box;
+    reach_job *job = data;
+    face_reach most = { 0, 0 };
+    for (size_t k = span.begin; k < span.end; k++) {
+        face_reach own = reach_of(job->finder, job->finder->tree.face[k]);
+        most.reach = f_max(most.reach, own.reach);
+        most.rounding = f_max(most.rounding, own.rounding);
+    }
+    rsv_atomic_max(&job->reach, (double)most.reach);
+    rsv_atomic_max(&job->rounding, (double)most.rounding);
 }
 
-static void find_boxes(void *job, rsv_span span)
-{
-    finder *f = job;
-    for (size_t k = span.begin; k < span.end; k++)
-        f->box[k] = box_of(f, f->tree.face[k]);
-}
-
-/// No triangle reaches farther than the one that reaches farthest.
 static void narrow(finder *f)
 {
-    float reach = 0, rounding = 0;
-    for (uint32_t k = 0; k < f->tree.face_count; k++) {
-        reach = f_max(reach, f->box[k].reach);
-        rounding = f_max(rounding, f->box[k].rounding);
-    }
-    f->reach = reach;
-    f->rounding = rounding;
+    reach_job job = { f, 0, 0 };
+    rsv_parallel_for(f->scene->context, f->tree.face_count, 0, find_reach, &job);
+    f->reach = (float)job.reach;
+    f->rounding = (float)job.rounding;
 }
 
 static rsv_status plant_tree(finder *f)
@@ -291,12 +329,8 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
     if (!f->flags) goto cleanup;
     RSV_TRY(plant_tree(f));
-    // after what the tree is sorted by is gone
-    f->box = rsv_reserve(scene->context, f->tree.face_count, sizeof *f->box);
-    if (!f->box) RSV_TRY(RSV_ERROR_MEMORY);
     f->gave_up = rsv_alloc(scene->context, f->tree.node_count, 1);
     if (!f->gave_up) RSV_TRY(RSV_ERROR_MEMORY);
-    rsv_parallel_for(scene->context, f->tree.face_count, 0, find_boxes, f);
     narrow(f);
 cleanup:
     return status;
@@ -305,7 +339,6 @@ cleanup:
 static void finder_destroy(finder *f)
 {
     rsv_twin_tree_destroy(&f->tree);
-    rsv_free(f->scene->context, f->box);
     rsv_free(f->scene->context, f->gave_up);
     rsv_free(f->scene->context, f->flags);
 }

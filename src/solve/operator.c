@@ -5,12 +5,13 @@
 #include "../scene/material_at.h"
 #include "solve_constants.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 struct rsv_operator {
     rsv_operator_view view;
-    uint32_t references; ///< holders
-    rsv_operator *base;  ///< whose rows these are; NULL = its own
+    atomic_uint references; ///< holders
+    rsv_operator *base;     ///< whose rows these are; NULL = its own
     uint16_t *valid_points;
     rsv_rgb *albedo;
 };

@@ -25,7 +25,7 @@ RSV_INLINE const rsv_bsdf *rsv_surface_bsdf_of_all(
     uint32_t material = scene->triangle_material[at.triangle];
     if (!scene->material_varies[material]) return &common[material];
     rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
-    *storage = rsv_bsdf_vary(&common[material], &m);
+    rsv_bsdf_vary(&common[material], &m, storage);
     if (storage->brushed)
         storage->brush = rsv_brush_direction(scene, at.triangle, at.u, at.v, m.anisotropy_rotation);
     if (!storage->solid) storage->opacity = m.opacity;
@@ -48,7 +48,7 @@ RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(
     uint32_t material = scene->triangle_material[at.triangle];
     if (!scene->material_varies[material]) return &common[material];
     rsv_material m = rsv_material_at(scene, at.triangle, at.u, at.v, at.width);
-    *storage = rsv_bsdf_vary_entry(&common[material], &m);
+    rsv_bsdf_vary_entry(&common[material], &m, storage);
     if (!storage->solid) storage->opacity = m.opacity;
     return storage;
 }

@@ -2,7 +2,7 @@
 # Benchmarks: what they print, the table and the plot. How fast the machine is, is no test's business.
 source "$(dirname "$0")/support.sh"
 
-succeeds bench assemble --repeat 1
+succeeds bench assemble --repeat 1 --quality draft
 says 'same packets, traced only'
 succeeds bench quality --size 32 --spp 4 --repeat 1 --quality draft --csv curve.csv --plot curve.svg
 says '^  final, draft '
@@ -11,7 +11,7 @@ says '^  final, draft '
 grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
 
-succeeds bench solvers bright-box --repeat 1 --csv solvers.csv --plot solvers.svg
+succeeds bench solvers bright-box --repeat 1 --quality draft --csv solvers.csv --plot solvers.svg
 says '^  auto .*gmres '
 says 'bare gather loop : application'
 ! grep -q 'not converged' stdout || complain "a solver gave up"
@@ -58,7 +58,7 @@ done
 for key in relative_mse cpu_seconds reference_cpu_seconds; do
     grep -q "\"$key\":" pictures.json || complain "the JSON lacks $key"
 done
-succeeds bench pictures cornell-spheres --size 160x120 --max-time 1
+succeeds bench pictures cornell-spheres --size 80x60 --max-time 1
 says 'cut short'
 refuses 2 'belongs to bench pictures' bench fps cornell-blocks --max-time 1
 succeeds bench pictures studio --quick --assets kept
@@ -94,7 +94,7 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench bake, levels, quality, rebake, moving, gpu, fps, rooms and pictures' bench trace --quality draft
+refuses 2 'belongs to bench assemble, solvers, bake, levels, quality, rebake, moving, gpu, fps, rooms and pictures' bench trace --quality draft
 refuses 2 'belongs to bench bake, quality, fig8, fps, rooms and pictures' bench trace --size 64
 refuses 2 'is one number' bench fig8 --size 64x36
 refuses 2 '--frames belongs to bench fps, rooms and moving' bench trace --frames 3

@@ -6,6 +6,7 @@ target_link_libraries(test_twins PRIVATE resolvent_rt rsv_options)
 add_test(NAME runtime_twins COMMAND test_twins)
 
 rsv_add_test(runtime unit/test_runtime.c)
+rsv_add_part(runtime slow)
 target_link_libraries(test_runtime PRIVATE resolvent_rt_file)
 rsv_add_test(turns unit/test_turns.c)
 set_tests_properties(turns PROPERTIES LABELS slow)

@@ -22,7 +22,7 @@ static rsv_vec3 direction_at(float cos, float phi)
 
 typedef void (*check)(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front);
 
-static bool all; ///< else a third of the roughnesses and angles
+static bool all; ///< else a fifth of the roughnesses and angles
 
 /// Every case, roughness, side and angle.
 static void for_all(check check_one)
@@ -35,7 +35,7 @@ static void for_all(check check_one)
                     rsv_bsdf bsdf = bsdf_of(c, roughnesses[r]);
                     // narrower brushes are lines to the charts below
                     if (bsdf.brushed && roughnesses[r] < 0.15f) continue;
-                    if (!all && (r + k + number) % 3) continue;
+                    if (!all && (r + k + number) % 5) continue;
                     check_one(c, &bsdf, cosines[k], !back);
                 }
 }

@@ -7,6 +7,7 @@
 #include "scene/document.h"
 #include "unit/file_fixture.h"
 #include "unit/scene_fixture.h"
+#include "unit/slow_tests.h"
 
 // ---- archives -------------------------------------------------------------------------------------
 
@@ -220,9 +221,9 @@ static void lights_are_baked_as_each_was_relit(void **state)
     end(&s);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test_setup_teardown(
             archives_hold_the_text_and_the_files_beside_it, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
@@ -233,8 +234,10 @@ int main(void)
             scenes_keep_their_file_if_they_are_to, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             targets_are_found_by_their_names, fixture_setup, fixture_teardown),
+    };
+    const struct CMUnitTest slow[] = {
         cmocka_unit_test_setup_teardown(
             lights_are_baked_as_each_was_relit, fixture_setup, fixture_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, quick, slow);
 }

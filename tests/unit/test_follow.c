@@ -502,7 +502,6 @@ int main(int argc, char **argv)
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(objects_are_moved_and_nothing_else),
         cmocka_unit_test(motions_that_make_no_sense_are_refused),
-        cmocka_unit_test(patched_rows_are_those_traced_anew),
         cmocka_unit_test(what_comes_back_is_what_it_was),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
         cmocka_unit_test(other_scenes_are_refused),
@@ -511,6 +510,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(objects_may_go_through_walls),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(patched_rows_are_those_traced_anew),
         cmocka_unit_test(patched_rows_past_glass_are_those_traced_anew),
         cmocka_unit_test(light_is_that_of_solves),
         cmocka_unit_test(lamps_that_move_take_their_light_along),

@@ -997,7 +997,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(walls_that_absorb_nothing_are_refused_and_change_nothing),
         cmocka_unit_test(a_lamp_as_large_as_a_wall_cannot_be_moved),
         cmocka_unit_test(a_lamp_that_was_moved_into_a_ceiling_is_seen),
-        cmocka_unit_test(lights_of_one_operator_leave_each_other_alone),
         cmocka_unit_test(the_operator_solves_for_its_light),
         cmocka_unit_test(the_transposed_operator_is_the_adjoint),
         cmocka_unit_test(scaled_lights_are_those_of_a_fresh_solve),
@@ -1016,6 +1015,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_cannot_move_is_refused),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(lights_of_one_operator_leave_each_other_alone),
         cmocka_unit_test(going_back_ends_where_it_began),
         cmocka_unit_test(copies_of_a_moved_light_move_on_alone),
         cmocka_unit_test(lights_on_the_move_are_near_those_at_rest),

@@ -10,6 +10,7 @@
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
+#include "slow_tests.h"
 
 /// A lamp and spotlights, in rooms with glass and metal, and elements that hang.
 typedef struct solved_file {
@@ -365,14 +366,16 @@ static void damaged_files_are_refused(void **state)
     free(all);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(the_operator_route_is_relight),
         cmocka_unit_test(the_basis_route_is_relight),
-        cmocka_unit_test(receivers_show_what_is_baked),
         cmocka_unit_test(bounced_light_is_kept_by_itself),
         cmocka_unit_test(damaged_files_are_refused),
     };
-    return cmocka_run_group_tests(tests, write_operator, remove_operator);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(receivers_show_what_is_baked),
+    };
+    return RUN_HALF_WITH(argc, argv, quick, slow, write_operator, remove_operator);
 }
