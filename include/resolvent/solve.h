@@ -40,7 +40,8 @@ typedef struct rsv_solve_desc {
     uint32_t refinements; ///< pilot solutions that show where coarse elements must be split
     /// Part of the usual elements that are spent where surfaces meet or cut through each other, to 1; 0 (default) = all.
     float contact_share;
-    uint32_t light_samples; ///< shadow rays per element and next-event estimate; a power of two
+    uint32_t
+        light_samples; ///< shadow rays per element and next-event estimate; a power of two, 16 to 65536
     uint32_t photon_count;  ///< light paths shot for caustics, where the scene has any
     uint32_t direct_levels; ///< subdivisions of the direct level below the coarse one where direct
                             ///< light changes quickly
