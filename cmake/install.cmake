@@ -31,11 +31,17 @@ if(TARGET resolvent_program)
     install(TARGETS resolvent_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 endif()
 
-# The licence, and the pages that help texts and manual pages name as docs/...
+# The licence, and the pages that help texts and manual pages name as docs/..., with the pictures and samples they link to
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
     ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT runtime
     FILES_MATCHING PATTERN "*.md" PATTERN figures EXCLUDE PATTERN benchmarks EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/figures DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT runtime
+    FILES_MATCHING PATTERN "*.png" PATTERN "*.svg" PATTERN "*.jpg")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/samples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development
+    PATTERN CMakeLists.txt EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/integrations/python/examples
+    DESTINATION ${CMAKE_INSTALL_DOCDIR}/integrations/python COMPONENT development)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}-dev COMPONENT development)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/resolventConfig.cmake.in

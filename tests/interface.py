@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """The binary interface of the library: every public function, structure and constant, as clang sees it.
 
-usage: interface.py SOURCE_FOLDER          compares it with tests/interface.txt, and fails where something there is gone or different
-       interface.py SOURCE_FOLDER --write  writes that file: after a release, or a change that is meant
+usage: interface.py SOURCE_FOLDER [LIBRARY]  compares it with tests/interface.txt, and fails where something there is gone or different,
+                                             or where LIBRARY does not export exactly the functions that the headers declare
+       interface.py SOURCE_FOLDER --write    writes that file: after a release, or a change that is meant
 """
 import json
 import pathlib
@@ -84,6 +85,26 @@ def compare(before, now):
     return broken
 
 
+def exported(library):
+    """Names of functions and data that a library shows to programs."""
+    command = ["readelf", "--symbols", "--wide", library]
+    table = subprocess.run(command, capture_output=True, text=True, check=True, env={"LC_ALL": "C"}).stdout
+    for line in table.splitlines():
+        field = line.split()
+        if len(field) == 8 and field[4:6] == ["GLOBAL", "DEFAULT"] and field[6] != "UND":
+            yield field[7]
+
+
+def compare_symbols(library, now):
+    declared = {name.split()[1] for name in now if name.startswith("function ")}
+    shown = set(exported(library))
+    for name in sorted(declared - shown):
+        print(f"{name} is declared in a public header, and {library} does not export it")
+    for name in sorted(shown - declared):
+        print(f"{name} is exported by {library}, and no public header declares it")
+    return declared != shown
+
+
 def main():
     source = pathlib.Path(sys.argv[1])
     record = source / "tests" / "interface.txt"
@@ -95,7 +116,11 @@ def main():
     if sys.argv[2:] == ["--write"]:
         record.write_text("\n".join(now) + "\n")
         return 0
-    return int(compare(by_name(record.read_text().splitlines()), by_name(now)))
+    now = by_name(now)
+    broken = compare(by_name(record.read_text().splitlines()), now)
+    if sys.argv[2:]:
+        broken = compare_symbols(sys.argv[2], now) or broken
+    return int(broken)
 
 
 if __name__ == "__main__":

@@ -90,6 +90,8 @@
 /// Places on emitters farther than so many times their radius are drawn by area, not by solid angle: weights differ by less
 /// than a factor of four.
 #define FAR_EMITTER 3
+/// Emitters whose planes are seen under a smaller sine than this are drawn from in double precision.
+#define EDGE_ON 0.02f
 /// Of each half at most, where those did not do, and how often that is asked.
 #define MOST_REFINED_SAMPLES 2048
 #define LIGHT_REFINEMENTS 2
@@ -114,6 +116,10 @@
 #define NEAR_RAYS 16
 #define MEND_RAYS 64
 #define MEND_GROUPS 8
+/// Fewer groups where the noise of what is added is below this share of the light. Measured, vertices of cornell-blocks at draft: a
+/// quarter of the time less than with all groups, errors beside path tracing the same (median 1.9 %, 99th percentile 16 %).
+#define LEAST_MEND_GROUPS 3
+#define MEND_NOISE 0.01f
 /// Change of stored light within an element, as a share of the light, and the element's edge over the harmonic mean of what one sees
 /// from there: from the first on stored light is doubted, from the second on it is not used. Measured, vertices of studio
 /// at draft: the 99th percentile of errors is 26 % instead of 83 %; at medium 15 % instead of 18 %.

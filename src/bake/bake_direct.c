@@ -79,7 +79,7 @@ static void weigh_sources(lit_patch *lit, uint32_t count)
 
 /// Shadow rays of both halves from the first places, by turns, in packets that the halves share.
 static void sample_sources(
-    const lit_patch *lit, uint32_t places, uint32_t samples, uint32_t seed, rsv_event_sums half[2])
+    lit_patch *lit, uint32_t places, uint32_t samples, uint32_t seed, rsv_event_sums half[2])
 {
     half[0] = half[1] = rsv_event_sums_zero();
     for (uint32_t first = 0; first < 2 * samples; first += RSV_PACKET_WIDTH) {

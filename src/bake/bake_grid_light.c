@@ -279,7 +279,7 @@ static void refine(void *job, rsv_span span)
     for (size_t k = span.begin; k < span.end; k++) {
         if (q->group[k] == RSV_NONE || q->samples[k] == 0 ||
             q->samples[k] >= MOST_REFINED_SAMPLES || rsv_cancelled(q->s->context) ||
-            error_around(q, k) <= LARGEST_DEVIATION * q->accuracy->error)
+            error_around(q, k) <= q->accuracy->largest)
             continue;
         uint32_t samples = 4u * q->samples[k];
         if (samples > MOST_REFINED_SAMPLES) samples = MOST_REFINED_SAMPLES;

@@ -8,8 +8,9 @@
 #include "bake_direct.h"
 
 typedef struct rsv_bake_accuracy {
-    float error; ///< wanted of the median patch, relative
-    float dark;  ///< W/m2 beside which errors are measured
+    float error;   ///< wanted of the median patch, relative
+    float largest; ///< deviation, relative, beyond which a patch gets more rays
+    float dark;    ///< W/m2 beside which errors are measured
     uint32_t seed;
 } rsv_bake_accuracy;
 

@@ -63,25 +63,40 @@ static rsv_rgb gather_patch(const rsv_light_view *s, const rsv_bake_patch *patch
     return rgb_scale(sum, 1 / (float)patch->count);
 }
 
+/// By how much what is gathered differs from what is stored.
+typedef struct difference {
+    rsv_rgb mean;
+    float square, noise; ///< of its luminance: squared, and the variance of that
+} difference;
+
+/// As many groups of rays as it takes until the noise is below the wanted one.
+static difference gather_difference(
+    const rsv_light_view *s, const rsv_bake_patch *patch, float wanted, uint32_t seed)
+{
+    rsv_rgb stored = rsv_bake_stored_mean(s, patch), sum = rgb_gray(0);
+    float squares = 0, groups = 0;
+    difference d = { .noise = INFINITY };
+    while (groups < MEND_GROUPS && (groups < LEAST_MEND_GROUPS || d.noise > wanted * wanted)) {
+        rsv_rgb off = rgb_sub(gather_patch(s, patch, rsv_hash2(seed, (uint32_t)groups)), stored);
+        sum = rgb_add(sum, off);
+        squares += rgb_luminance(off) * rgb_luminance(off);
+        groups++;
+        d.mean = rgb_scale(sum, 1 / groups);
+        d.square = rgb_luminance(d.mean) * rgb_luminance(d.mean);
+        if (groups > 1) d.noise = (squares / groups - d.square) / (groups - 1);
+    }
+    return d;
+}
+
 rsv_rgb rsv_bake_mend(
     const rsv_light_view *s, const rsv_bake_patch *patch, float total, uint32_t seed)
 {
-    rsv_rgb sum = rgb_gray(0);
-    float squares = 0;
-    if (patch->count == 0 || !(total > 0) || !rsv_bake_is_sampled(s, &patch->place[0])) return sum;
+    const rsv_rgb none = rgb_gray(0);
+    if (patch->count == 0 || !(total > 0) || !rsv_bake_is_sampled(s, &patch->place[0])) return none;
     float share = doubt(s, &patch->place[0], total);
-    if (share == 0) return sum;
-    rsv_rgb stored = rsv_bake_stored_mean(s, patch);
-    for (uint32_t g = 0; g < MEND_GROUPS; g++) {
-        rsv_rgb off = rgb_sub(gather_patch(s, patch, rsv_hash2(seed, g)), stored);
-        float luminance = rgb_luminance(off);
-        sum = rgb_add(sum, off);
-        squares += luminance * luminance;
-    }
-    rsv_rgb off = rgb_scale(sum, 1.0f / MEND_GROUPS);
-    float square = rgb_luminance(off) * rgb_luminance(off);
-    float noise = (squares / MEND_GROUPS - square) / (MEND_GROUPS - 1);
+    if (share == 0) return none;
+    difference d = gather_difference(s, patch, MEND_NOISE * total / share, seed);
     // what noise explains is no error of what is stored (James and Stein 1961)
-    float sure = square > 0 ? f_max(1 - noise / square, 0) : 0;
-    return rgb_scale(off, share * sure);
+    float sure = d.square > 0 ? f_max(1 - d.noise / d.square, 0) : 0;
+    return rgb_scale(d.mean, share * sure);
 }

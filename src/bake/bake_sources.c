@@ -3,7 +3,6 @@
 #include "../core/core.h"
 
 #include "../core/vec.h"
-#include "../sources/local_lights.h"
 #include "bake_constants.h"
 
 enum { ARRAYS = 11 };
@@ -101,6 +100,8 @@ void rsv_bake_weigh(const rsv_bake_sources *q, const rsv_receiver *receiver, rsv
         return;
     }
     weigh_emitters(q, receiver, w);
+    for (int k = 0; k < RSV_BAKE_VIEWS; k++)
+        w->view[k].emitter = RSV_NONE;
     w->local.lights = q->lights;
     w->local.point = receiver->point.position;
     w->local.normal = receiver->point.normal;
@@ -135,23 +136,63 @@ static bool is_far(const rsv_bake_sources *q, uint32_t k, rsv_vec3 p)
     return v3_dot(way, way) > FAR_EMITTER * FAR_EMITTER * q->radius[k] * q->radius[k];
 }
 
-static bool sample_chosen(const rsv_bake_sources *q, const rsv_bake_weights *w, uint32_t chosen,
-    float share, const float u[3], rsv_light_sample *result)
+/// A place drawn by area. @return false = in single precision the plane is too close to edge-on to tell
+static bool sample_far(const rsv_bake_sources *q, const rsv_bake_weights *w, uint32_t chosen,
+    const float u[2], rsv_light_sample *result)
 {
-    float probability = w->emitters * share;
-    return is_far(q, chosen, w->local.point)
-               ? rsv_sample_far_emitter(&w->local, chosen, probability, u[1], u[2], result)
-               : rsv_sample_emitter(&w->local, chosen, probability, u[1], u[2], result);
+    float a, b;
+    const rsv_emitter *e = &q->lights->emitter[q->lights->sampled[chosen]];
+    rsv_square_to_triangle(u[0], u[1], &a, &b);
+    rsv_vec3 place = v3_barycentric(e->corner[0], e->corner[1], e->corner[2], a, b);
+    rsv_vec3 way = v3_sub(place, w->local.point);
+    float square = v3_dot(way, way), distance = sqrtf(square);
+    result->direction = v3_scale(way, 1 / distance);
+    float facing = -v3_dot(e->normal, result->direction);
+    if (e->double_sided) facing = fabsf(facing);
+    if (facing < EDGE_ON || e->varies) return false;
+    result->emitter = q->lights->sampled[chosen];
+    result->from_sky = false;
+    result->distance = distance;
+    result->radiance = result->mean_radiance = e->radiance;
+    result->pdf_solid_angle = square / (e->area * facing);
+    return true;
 }
 
-static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const float u[3],
-    rsv_light_sample *result)
+static const rsv_bake_view *view_of(const rsv_bake_sources *q, rsv_bake_weights *w, uint32_t chosen)
+{
+    rsv_bake_view *view = &w->view[chosen % RSV_BAKE_VIEWS];
+    if (view->emitter == chosen) return view;
+    view->emitter = chosen;
+    view->faces = rsv_view_emitter(
+        &q->lights->emitter[q->lights->sampled[chosen]], w->local.point, &view->triangle);
+    return view;
+}
+
+/// @param result out: all but that the emitter was one of many to choose from
+static bool sample_chosen(const rsv_bake_sources *q, rsv_bake_weights *w, uint32_t chosen,
+    const float u[2], rsv_light_sample *result)
+{
+    bool far = is_far(q, chosen, w->local.point);
+    if (far && sample_far(q, w, chosen, u, result)) return true;
+    if (far) return rsv_sample_far_emitter(&w->local, chosen, 1, u[0], u[1], result);
+    const rsv_bake_view *view = view_of(q, w, chosen);
+    result->emitter = q->lights->sampled[chosen];
+    if (!view->faces) return false;
+    rsv_sample_view(&q->lights->emitter[result->emitter], &view->triangle, u[0], u[1], result);
+    result->pdf_solid_angle =
+        (float)rsv_triangle_pdf(&view->triangle, result->direction, result->distance);
+    return true;
+}
+
+static bool sample(
+    const rsv_bake_sources *q, rsv_bake_weights *w, const float u[3], rsv_light_sample *result)
 {
     if (!(u[0] < w->emitters))
         return rsv_local_lights_sample(&w->local, u[0] - w->emitters, u[1], u[2], result);
     float share;
     uint32_t chosen = choose(q, w, u[0] / w->emitters, &share);
-    if (!(share > 0) || !sample_chosen(q, w, chosen, share, u, result)) return false;
+    if (!(share > 0) || !sample_chosen(q, w, chosen, &u[1], result)) return false;
+    result->pdf_solid_angle *= w->emitters * share;
     const rsv_emitter *emitter = &q->lights->emitter[result->emitter];
     if (emitter->varies)
         result->radiance =
@@ -160,9 +201,8 @@ static bool sample(const rsv_bake_sources *q, const rsv_bake_weights *w, const f
            isfinite(result->pdf_solid_angle);
 }
 
-void rsv_bake_draw(const rsv_bake_sources *q, const rsv_bake_weights *w,
-    const rsv_receiver *receiver, const rsv_entrance *entrance, const float u[3],
-    rsv_next_event *event)
+void rsv_bake_draw(const rsv_bake_sources *q, rsv_bake_weights *w, const rsv_receiver *receiver,
+    const rsv_entrance *entrance, const float u[3], rsv_next_event *event)
 {
     rsv_light_sample drawn;
     if (q->count == 0)

@@ -7,6 +7,7 @@
 #define RSV_BAKE_SOURCES_H
 
 #include "../receiver/next_event.h"
+#include "../sources/local_lights.h"
 
 #define RSV_BAKE_WEIGHED                                                                           \
     1024 ///< emitters that are weighed at most; where there are more, the tree chooses
@@ -20,13 +21,23 @@ typedef struct rsv_bake_sources {
     float *x, *y, *z, *nx, *ny, *nz, *radius, *r, *g, *b, *both;
 } rsv_bake_sources;
 
+/// How near emitters look from a receiver, kept from one draw to the next: finding out takes longer than the draw.
+typedef struct rsv_bake_view {
+    uint32_t emitter; ///< RSV_NONE = none is kept here
+    bool faces;       ///< whether it can be seen from there at all
+    rsv_triangle_view triangle;
+} rsv_bake_view;
+
+#define RSV_BAKE_VIEWS 4 ///< a power of two
+
 /// What one receiver gets of them.
 typedef struct rsv_bake_weights {
-    rsv_local_lights local;         ///< suns and sky; where the tree chooses, all
-    float emitters;                 ///< probability of choosing an emitter
-    float sum;                      ///< of the luminance that emitters would give
-    float weight[RSV_BAKE_WEIGHED]; ///< that of each emitter and of all before it
-    rsv_rgb unshadowed;             ///< irradiance of all that is weighed
+    rsv_local_lights local;             ///< suns and sky; where the tree chooses, all
+    float emitters;                     ///< probability of choosing an emitter
+    float sum;                          ///< of the luminance that emitters would give
+    float weight[RSV_BAKE_WEIGHED];     ///< that of each emitter and of all before it
+    rsv_rgb unshadowed;                 ///< irradiance of all that is weighed
+    rsv_bake_view view[RSV_BAKE_VIEWS]; ///< of emitter k at k modulo their number
 } rsv_bake_weights;
 
 rsv_status rsv_bake_sources_create(
@@ -37,7 +48,7 @@ void rsv_bake_weigh(
     const rsv_bake_sources *sources, const rsv_receiver *receiver, rsv_bake_weights *weights);
 
 /// As rsv_next_event_draw.
-void rsv_bake_draw(const rsv_bake_sources *sources, const rsv_bake_weights *weights,
+void rsv_bake_draw(const rsv_bake_sources *sources, rsv_bake_weights *weights,
     const rsv_receiver *receiver, const rsv_entrance *entrance, const float u[3],
     rsv_next_event *event);
 

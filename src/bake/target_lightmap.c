@@ -52,6 +52,7 @@ static rsv_status estimate_map(
 {
     const rsv_bake_sheet sheet = sheet_of(b);
     const rsv_bake_accuracy accuracy = { .error = b->desc->error,
+        .largest = LARGEST_DEVIATION * b->desc->error,
         .dark = DARK * (float)b->s->report.mean_irradiance,
         .seed = b->s->desc.seed };
     return rsv_bake_light_map(solution, &sheet, &accuracy, light);

@@ -45,8 +45,8 @@ static rsv_status divide(vertex_bake *b, rsv_bake_tessellator **tessellator)
     const rsv_light_view *s = b->s;
     rsv_bake_tessellation desc = { .tolerance = b->desc->tolerance,
         .finest = b->finest,
-        .accuracy = {
-            f_min(b->desc->error, QUIET * b->desc->tolerance), dark_of(s), s->desc.seed } };
+        .accuracy = { f_min(b->desc->error, QUIET * b->desc->tolerance),
+            LARGEST_DEVIATION * b->desc->error, dark_of(s), s->desc.seed } };
     for (size_t k = 0; k < b->parts.count; k++) {
         if (!rsv_bake_carries_light(s, &b->parts.part[k])) continue;
         desc.divide = rsv_bake_may_divide(b->primitive[k]);

@@ -20,6 +20,12 @@ while read -r page; do
     [[ -s $prefix/share/doc/resolvent/$page ]]
 done <"$work/pages"
 
+# and the pictures and samples that they link to
+dead=$(python3 "$source/tests/links.py" "$prefix"/share/doc/resolvent/{,docs/}*.md |
+    grep -E 'figures/|samples/|examples/' || true)
+[[ -z $dead ]] || { echo "$dead" && false; }
+[[ -s $prefix/share/doc/resolvent/docs/figures/cornell-spheres.png ]]
+
 # what bash offers
 COMP_WORDS=("$prefix/bin/resolvent" rend) COMP_CWORD=1
 source "$prefix/share/bash-completion/completions/resolvent"

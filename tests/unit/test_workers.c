@@ -1,6 +1,8 @@
 /// Loops on threads of the program: whatever order it runs tasks in, and on whatever threads, results are the same bytes.
+#include "core/parallel.h"
 #include "file_fixture.h"
 #include "resolvent/resolvent.h"
+#include "slow_tests.h"
 
 #include <pthread.h>
 
@@ -147,9 +149,18 @@ static void append_relit(outcome *o, rsv_light *light)
     append_picture(o, light, RSV_RENDER_OPERATOR);
 }
 
-/// Solves, saves, shows, bakes and relights a scene. @param p NULL = OpenMP's threads
-static outcome run_scene(program *p)
+/// Without threads of the program, progress is reported from the thread that entered the library.
+static bool progress_is_of_the_caller(void *user, const char *phase, double fraction)
 {
+    if (!pthread_equal(*(const pthread_t *)user, pthread_self()))
+        fail_msg("%s was reported from another thread", phase);
+    return fraction >= 0 && fraction <= 1;
+}
+
+/// Solves, saves, shows, bakes and relights a scene. @param p NULL = OpenMP's threads @param all also what takes longer
+static outcome run_scene(program *p, bool all)
+{
+    const pthread_t caller = pthread_self();
     outcome o = { 0 };
     folder files = new_folder();
     rsv_context_desc own = rsv_default_context_desc();
@@ -159,13 +170,15 @@ static outcome run_scene(program *p)
     rsv_light *light;
     own.thread_count = p ? WORKERS : 2;
     own.parallel = p ? p->parallel : NULL;
-    own.user = p;
-    solve.element_target = 300;
+    own.user = p ? (void *)p : (void *)&caller;
+    if (!p) own.progress = progress_is_of_the_caller;
+    solve.element_target = all ? 300 : 100;
     solve.rays_per_element = 64;
     solve.refinements = 1;
-    solve.photon_count = 2000;
+    solve.photon_count = 1000;
     assert_int_equal(rsv_context_create(&own, &context), RSV_OK);
-    assert_int_equal(rsv_scene_builtin(context, "cornell-spheres", &scene), RSV_OK);
+    assert_int_equal(
+        rsv_scene_builtin(context, all ? "cornell-spheres" : "cornell-blocks", &scene), RSV_OK);
     assert_int_equal(rsv_scene_save(scene, path_in(&files, "scene.glb")), RSV_OK);
     rsv_scene_destroy(scene); // bakes go into the file of a scene
     assert_int_equal(rsv_scene_load(context, path_in(&files, "scene.glb"), &scene), RSV_OK);
@@ -173,9 +186,9 @@ static outcome run_scene(program *p)
     assert_int_equal(rsv_light_save(light, "spheres", path_in(&files, "a.safetensors")), RSV_OK);
     append_file(&o, path_in(&files, "a.safetensors"));
     append_picture(&o, light, RSV_RENDER_OPERATOR);
-    append_picture(&o, light, RSV_RENDER_FINAL);
+    if (all) append_picture(&o, light, RSV_RENDER_FINAL);
     append_bake(&o, light, "probes", path_in(&files, "a.json"));
-    append_bake(&o, light, "lightmap", path_in(&files, "a.glb"));
+    if (all) append_bake(&o, light, "lightmap", path_in(&files, "a.glb"));
     append_relit(&o, light);
     rsv_light_destroy(light);
     rsv_scene_destroy(scene);
@@ -192,15 +205,14 @@ static void assert_same_bytes(const outcome *a, const outcome *b)
     assert_memory_equal(a->bytes, b->bytes, a->count);
 }
 
-static void results_do_not_depend_on_who_runs_the_tasks(void **state)
+static void compare_programs(bool all)
 {
-    (void)state;
     program programs[] = { { .parallel = run_in_order }, { .parallel = run_backwards },
         { .parallel = run_on_pool, .random = 1 } };
     outcome expected = { 0 };
-    if (!WITHOUT_OPENMP) expected = run_scene(NULL);
+    if (!WITHOUT_OPENMP) expected = run_scene(NULL, all);
     for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
-        outcome o = run_scene(&programs[k]);
+        outcome o = run_scene(&programs[k], all);
         assert_true(programs[k].loops > 50);
         assert_int_equal(programs[k].most, WORKERS); // more than the pool has threads
         if (expected.count) assert_same_bytes(&o, &expected);
@@ -212,10 +224,64 @@ static void results_do_not_depend_on_who_runs_the_tasks(void **state)
     free(expected.bytes);
 }
 
-int main(void)
+static void run_nothing(void *user, size_t count, void (*task)(void *, size_t), void *data)
 {
-    const struct CMUnitTest tests[] = {
+    (void)task;
+    (void)data;
+    note(user, count);
+}
+
+static void run_all_twice(void *user, size_t count, void (*task)(void *, size_t), void *data)
+{
+    run_backwards(user, count, task, data);
+    run_in_order(user, count, task, data);
+}
+
+static void results_do_not_depend_on_who_runs_the_tasks(void **state)
+{
+    (void)state;
+    compare_programs(false);
+}
+
+static void nor_do_bakes_and_gathered_light(void **state)
+{
+    (void)state;
+    compare_programs(true);
+}
+
+static void add_up(void *job, rsv_span span)
+{
+    size_t *sum = job;
+    for (size_t k = span.begin; k < span.end; k++)
+        *sum += k;
+}
+
+static void programs_that_break_the_rule_get_the_right_sum(void **state)
+{
+    (void)state;
+    program programs[] = { { .parallel = run_nothing }, { .parallel = run_all_twice } };
+    for (size_t k = 0; k < sizeof programs / sizeof *programs; k++) {
+        rsv_context_desc own = rsv_default_context_desc();
+        rsv_context *context;
+        size_t sum = 0;
+        own.thread_count = WORKERS;
+        own.parallel = programs[k].parallel;
+        own.user = &programs[k];
+        assert_int_equal(rsv_context_create(&own, &context), RSV_OK);
+        rsv_parallel_for(context, 1000, 10, add_up, &sum); // one after the other: no lock
+        assert_int_equal(sum, 999 * 1000 / 2);
+        rsv_context_destroy(context);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(results_do_not_depend_on_who_runs_the_tasks),
+        cmocka_unit_test(programs_that_break_the_rule_get_the_right_sum),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(nor_do_bakes_and_gathered_light),
+    };
+    return RUN_HALF(argc, argv, quick, longest);
 }
