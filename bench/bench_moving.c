@@ -3,6 +3,7 @@
 #include "benchmarks.h"
 #include "light_difference.h"
 #include "moved_scene.h"
+#include "moving_scenes.h"
 
 #include "resolvent/render.h"
 #include "resolvent/update.h"
@@ -17,25 +18,13 @@
 enum { DEFAULT_FRAMES = 8, POINTS = 600, LAGS = 3 };
 static const uint32_t lag_frames[LAGS] = { 1, 2, 4 };
 
-/// What moves in a scene, from where it is at first: it is turned about an upright axis and shifted along x.
-typedef struct motion {
-    const char *scene, *object;
-    float axis[2];  ///< x, z
-    float from, to; ///< radians
-    float metres;
-} motion;
-
-static const motion known[] = {
-    { "cornell-blocks", "short block", { 0, 0 }, 0, 0, -0.1f },
-    { "two-rooms", "door", { 0, -0.43f }, 0.18f, -0.68f, 0 }, // nearly shut (at 0.22) to wide open
-};
-
 /// The scene before anything moves, and what moves in it.
 typedef struct stage {
     const cli_bench_task *bench;
     rsv_scene *scene;
-    motion moves;
-    uint32_t object, frame_count;
+    cli_motion moves;
+    uint32_t object; ///< the first that moves
+    uint32_t frame_count;
 } stage;
 
 /// Readings of all frames at points that stay where they are.
@@ -50,29 +39,32 @@ static double processor_seconds(void) { return (double)clock() / CLOCKS_PER_SEC;
 
 static bool find_motion(stage *s)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(s->scene);
-    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
-        if (strcmp(known[k].scene, s->bench->scene) == 0) s->moves = known[k];
-    if (!s->moves.scene) {
-        s->object = cli_find_movable_object(s->scene);
-        if (s->object != RSV_NONE) s->moves.metres = cli_object_extent(s->scene, s->object);
+    const cli_motion *known = cli_find_motion(s->bench->scene);
+    if (known) {
+        s->moves = *known;
+        s->object = rsv_scene_find_object(s->scene, known->object);
         return s->object != RSV_NONE;
     }
-    for (s->object = 0; s->object < view->object_count; s->object++)
-        if (strcmp(view->object_name[s->object], s->moves.object) == 0) return true;
-    return false;
+    s->object = cli_find_movable_object(s->scene);
+    if (s->object == RSV_NONE) return false;
+    s->moves.shift.x = cli_object_extent(s->scene, s->object);
+    return true;
 }
 
 static rsv_status scene_of_frame(const stage *s, uint32_t frame, rsv_scene **scene)
 {
-    const motion *m = &s->moves;
+    const rsv_scene_view *view = rsv_scene_get_view(s->scene);
     float share = (float)frame / (float)(s->frame_count - 1);
-    float angle = m->from + share * (m->to - m->from), c = cosf(angle), n = sinf(angle);
-    float x = m->axis[0], z = m->axis[1];
-    const rsv_motion place = { .object = s->object,
-        .matrix = { c, 0, -n, 0, 0, 1, 0, 0, n, 0, c, 0, x - c * x - n * z + share * m->metres, 0,
-            z + n * x - c * z, 1 } };
-    return rsv_scene_move(s->scene, &place, 1, scene);
+    size_t count = 0;
+    rsv_motion *motion = calloc(view->object_count, sizeof *motion);
+    if (!motion) return RSV_ERROR_MEMORY;
+    for (uint32_t k = s->object; k < view->object_count; k++)
+        if (k == s->object ||
+            (s->moves.object && strcmp(view->object_name[k], s->moves.object) == 0))
+            motion[count++] = cli_motion_at(&s->moves, s->scene, k, share);
+    rsv_status status = rsv_scene_move(s->scene, motion, count, scene);
+    free(motion);
+    return status;
 }
 
 /// On a lattice in the inner part of the scene; each reads the surface below it.

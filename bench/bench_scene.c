@@ -1,4 +1,5 @@
 #include "benchmarks.h"
+#include "moving_scenes.h"
 
 #include <string.h>
 
@@ -34,11 +35,13 @@ static rsv_status create_bright_box(rsv_context *context, rsv_scene **scene)
 
 rsv_scene *cli_open_bench_scene(const cli_bench_task *bench)
 {
-    if (strcmp(bench->scene, "bright-box") != 0)
-        return cli_open_scene(bench->session, bench->scene, NULL);
+    rsv_context *context = bench->session->context;
     rsv_scene *scene = NULL;
-    rsv_status status = create_bright_box(bench->session->context, &scene);
+    rsv_status status = strcmp(bench->scene, "bright-box") == 0
+                            ? create_bright_box(context, &scene)
+                            : cli_build_moving_scene(context, bench->scene, &scene);
     if (status == RSV_OK) return scene;
+    if (!scene) return cli_open_scene(bench->session, bench->scene, NULL);
     cli_report_failure(bench->session, status);
     rsv_scene_destroy(scene);
     return NULL;

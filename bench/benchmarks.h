@@ -34,8 +34,8 @@ typedef struct cli_bench_task {
     cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
 
-/// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, others are those of
-/// cli_open_scene. NULL after a message.
+/// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, those of moving_scenes.h are rooms in
+/// which something moves, others are those of cli_open_scene. NULL after a message.
 rsv_scene *cli_open_bench_scene(const cli_bench_task *bench);
 
 /// Opens the task's scene; the body of a built-in one has about so many triangles. NULL after a message.

@@ -47,14 +47,22 @@ static rsv_status move_elements(level_follower *f)
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
 }
 
+/// What the coarse elements tell, unless these were divided further than the cell.
+static bool may_be_changed(const level_follower *f, const rsv_cell *cell)
+{
+    const rsv_elements *coarse = f->b.coarse;
+    uint32_t around = rsv_elements_find_around(coarse, cell);
+    return f->coarse_changed[around] || coarse->cell[around].level > cell->level;
+}
+
 static void judge_cells(void *data, rsv_span span)
 {
     const level_follower *f = data;
-    const rsv_elements *e = f->b.elements, *coarse = f->b.coarse;
+    const rsv_elements *e = f->b.elements;
     for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
-        f->changed[c] = f->motion->moved[e->face_triangle[e->cell[c].face]] ||
-                        (f->coarse_changed[rsv_elements_find_around(coarse, &e->cell[c])] &&
-                            rsv_light_shafts_meet(f->motion->shafts, e, c));
+        f->changed[c] =
+            f->motion->moved[e->face_triangle[e->cell[c].face]] ||
+            (may_be_changed(f, &e->cell[c]) && rsv_light_shafts_meet(f->motion->shafts, e, c));
 }
 
 /// Cells where light may be another: looked for in coarse cells where it may be.
@@ -120,15 +128,47 @@ cleanup:
     return status;
 }
 
-/// Marks cells where light bends now. @param marked out: how many
+static bool is_few(const level_follower *f, size_t cells)
+{
+    return (float)cells <= SPLIT_SHARE * (float)f->b.elements->cell_count;
+}
+
+/// Cells where light may be another, and those that share a node with one. @param near [cell_count] out
+/// @param count out: of the former
+static rsv_status find_near(const level_follower *f, uint8_t *near, size_t *count)
+{
+    const rsv_elements *e = f->b.elements;
+    uint8_t *beside = rsv_alloc(e->context, e->node_count, 1);
+    if (!beside) return RSV_ERROR_MEMORY;
+    *count = 0;
+    for (size_t c = 0; c < e->cell_count; c++) {
+        *count += f->changed[c];
+        for (int k = 0; k < 3 && f->changed[c]; k++)
+            beside[e->cell_node[c][k]] = 1;
+    }
+    for (size_t c = 0; c < e->cell_count; c++) {
+        const uint32_t *node = e->cell_node[c];
+        near[c] = beside[node[0]] | beside[node[1]] | beside[node[2]];
+    }
+    rsv_free(e->context, beside);
+    return RSV_OK;
+}
+
+/// Marks cells where light bends now. @param marked out: how many; 0 = too few to be looked for
 static rsv_status mark_changed(level_follower *f, size_t *marked)
 {
     rsv_level_builder *b = &f->b;
     rsv_context *context = b->coarse->context;
     rsv_status status;
+    size_t count = 0;
+    uint8_t *near = rsv_alloc(context, b->elements->cell_count, 1);
     rsv_free(context, b->split);
     b->split = rsv_alloc(context, b->elements->cell_count, 1);
-    RSV_TRY(b->split ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(near && b->split ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(find_near(f, near, &count));
+    *marked = 0;
+    if (is_few(f, count)) goto cleanup;
+    b->asked = near;
     RSV_TRY(rsv_level_mark_cells(b, 0, marked));
     *marked = 0;
     for (size_t c = 0; c < b->elements->cell_count; c++) {
@@ -136,6 +176,8 @@ static rsv_status mark_changed(level_follower *f, size_t *marked)
         *marked += b->split[c];
     }
 cleanup:
+    b->asked = NULL;
+    rsv_free(context, near);
     return status;
 }
 
@@ -146,7 +188,7 @@ static rsv_status split_cells(level_follower *f)
     for (uint32_t round = 0; round < f->b.desc->levels; round++) {
         size_t marked;
         RSV_TRY(mark_changed(f, &marked));
-        if ((float)marked <= SPLIT_SHARE * (float)f->b.elements->cell_count) break;
+        if (is_few(f, marked)) break;
         RSV_TRY(split_marked(f));
         rsv_free(f->b.coarse->context, f->changed);
         f->changed = NULL;

@@ -222,10 +222,11 @@ static bool is_split_enough(const rsv_level_builder *b, size_t cell)
 {
     const rsv_cell *c = &b->elements->cell[cell];
     if (!b->desc->start) return false;
-    uint32_t around = rsv_elements_find_around(b->coarse, c);
-    uint32_t depth = c->level - (uint32_t)b->coarse->cell[around].level;
+    const rsv_cell *around = &b->coarse->cell[rsv_elements_find_around(b->coarse, c)];
+    if (c->level <= around->level) return false; // coarse elements were divided since
+    uint32_t depth = (uint32_t)c->level - around->level;
     if (b->caustic) return depth >= b->desc->levels + CAUSTIC_LEVELS;
-    return depth > 0 && !is_in_turn(b, cell, depth - 1);
+    return !is_in_turn(b, cell, depth - 1);
 }
 
 bool rsv_level_may_split(const rsv_level_builder *b, uint32_t cell)
@@ -241,12 +242,12 @@ rsv_status rsv_level_mark_cells(rsv_level_builder *b, uint32_t round, size_t *ma
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
     if (b->direct) {
-        const rsv_curvature_field direct = { b->direct, b->deviation, BEND, dark };
+        const rsv_curvature_field direct = { b->direct, b->deviation, BEND, dark, b->asked };
         RSV_TRY(rsv_find_curved_edges(e, &direct, RSV_CURVED_EDGES, mark_direct, b));
     }
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
-        const rsv_curvature_field caustic = { b->caustic, NULL, BEND, faint };
+        const rsv_curvature_field caustic = { b->caustic, NULL, BEND, faint, b->asked };
         RSV_TRY(rsv_find_curved_edges(e, &caustic, RSV_CURVED_EDGES, mark_caustic, b));
     }
     *marked = 0;

@@ -20,7 +20,9 @@ typedef struct rsv_level_builder {
     rsv_photon_shooter *shooter; ///< of photons; NULL = none are wanted
     rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
-    uint8_t *split;       ///< [cell_count]
+    uint8_t *split; ///< [cell_count]
+    const uint8_t
+        *asked; ///< [cell_count] 1 = the cell, or one beside it, may be split; NULL = all may
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
     bool complete;        ///< there will be no more splits
     size_t kept_count;    ///< nodes in the end of which it is

@@ -38,17 +38,23 @@ static void pair(_Atomic uint32_t *across, uint32_t first, uint32_t edge)
 
 typedef struct partner_search {
     const rsv_elements *e;
+    const uint8_t *cells;     ///< [cell_count] 0 = left out; NULL = none is
     _Atomic uint32_t *across; ///< [4 cell_count], out
     uint32_t *slot;           ///< [4 cell_count] of `edges`
     rsv_first_map edges;
 } partner_search;
+
+static bool is_left_out(const partner_search *s, size_t edge)
+{
+    return edge % 4 == 3 || (s->cells && !s->cells[edge / 4]);
+}
 
 static void note_edges(void *user, rsv_span span)
 {
     partner_search *s = user;
     for (size_t edge = span.begin; edge < span.end; edge++) {
         atomic_init(&s->across[edge], NO_CELL);
-        if (edge % 4 == 3) continue;
+        if (is_left_out(s, edge)) continue;
         uint64_t key = edge_of_cell(s->e, edge / 4, (int)(edge % 4));
         s->slot[edge] = rsv_first_map_note(&s->edges, key, (uint32_t)edge);
     }
@@ -58,23 +64,33 @@ static void pair_edges(void *user, rsv_span span)
 {
     const partner_search *s = user;
     for (size_t edge = span.begin; edge < span.end; edge++) {
-        if (edge % 4 == 3) continue;
+        if (is_left_out(s, edge)) continue;
         uint32_t first = s->edges.slot[s->slot[edge]].first;
         if (first != edge) pair(s->across, first, (uint32_t)edge);
     }
 }
 
+static size_t count_cells(const rsv_elements *e, const uint8_t *cells)
+{
+    size_t count = 0;
+    for (size_t c = 0; cells && c < e->cell_count; c++)
+        count += cells[c] != 0;
+    return cells ? count : e->cell_count;
+}
+
 /// Which other cell lies across each edge.
+/// @param cells [cell_count] 0 = left out; NULL = none is
 /// @param across [4 cell_count] out: by 4 * cell + corner opposite to the edge, the same of the other cell; NO_CELL at
 /// borders and where smaller or larger cells follow
-static rsv_status find_partners(const rsv_elements *e, _Atomic uint32_t *across)
+static rsv_status find_partners(
+    const rsv_elements *e, const uint8_t *cells, _Atomic uint32_t *across)
 {
     rsv_status status;
     size_t count = 4 * e->cell_count;
-    partner_search s = { .e = e, .across = across };
+    partner_search s = { .e = e, .cells = cells, .across = across };
     s.slot = rsv_reserve(e->context, count, sizeof *s.slot);
     RSV_TRY(s.slot ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_first_map_create(e->context, 3 * e->cell_count, &s.edges));
+    RSV_TRY(rsv_first_map_create(e->context, 3 * count_cells(e, cells), &s.edges));
     rsv_parallel_for(e->context, count, 0, note_edges, &s);
     rsv_parallel_for(e->context, count, 0, pair_edges, &s);
 cleanup:
@@ -128,6 +144,7 @@ static void measure_edges(void *user, rsv_span span)
     for (size_t k = span.begin; k < span.end; k++) {
         uint32_t edge = (uint32_t)k, across = job->across[k];
         bool border = across == NO_CELL && job->places == RSV_CURVED_EDGES_AND_BORDERS;
+        if (job->field->cells && !job->field->cells[edge / 4]) continue;
         // an inner edge once, from its later side
         if (edge % 4 == 3 || (!border && across > edge)) continue;
         edge_values v = values_at(job->e, job->field, edge, border ? edge : across);
@@ -143,7 +160,7 @@ rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_curvature_fiel
     _Atomic uint32_t *across = rsv_reserve(e->context, count, sizeof *across);
     float *curvature = rsv_alloc(e->context, count, sizeof *curvature);
     RSV_TRY(across && curvature ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(find_partners(e, across));
+    RSV_TRY(find_partners(e, field->cells, across));
     curvature_job job = { e, field, places, across, curvature };
     rsv_parallel_for(e->context, count, 0, measure_edges, &job);
     for (uint32_t edge = 0; edge < count; edge++)

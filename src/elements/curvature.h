@@ -11,6 +11,8 @@ typedef struct rsv_curvature_field {
         deviation; ///< [node_count] noise of the luminance: what it explains is no curvature; NULL = none
     float threshold; ///< share of the local level from which curvature is reported ...
     float floor;     ///< ... which is raised by so much
+    const uint8_t
+        *cells; ///< [cell_count] 0 = nobody asks for edges of this cell; NULL = all are wanted
 } rsv_curvature_field;
 
 /// Called for two cells that share an edge across which `value` curves; at a border both are the same.

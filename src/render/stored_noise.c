@@ -40,7 +40,7 @@ static rsv_status add_variance(
     for (size_t n = 0; n < e->node_count; n++)
         square[n] = rgb_gray(0);
     // an edge without any departure counts too: no node is then more certain than it looks
-    const rsv_curvature_field curvature = { field, NULL, -1, FLOOR };
+    const rsv_curvature_field curvature = { field, NULL, -1, FLOOR, NULL };
     rsv_status status = rsv_find_curved_edges(e, &curvature, RSV_CURVED_EDGES, note, &d);
     for (size_t n = 0; n < e->node_count; n++)
         if (square[n].g > 0) variance[n].r += square[n].r / (4 * square[n].g);

@@ -192,7 +192,7 @@ static rsv_status mark_by_pilot(
     b->report.rays += light->report.rays;
     note_arriving(b, light, far, arriving, deviation);
     const rsv_curvature_field field = { arriving, deviation, PILOT_BEND,
-        PILOT_DARK * mean_arriving(light, far) };
+        PILOT_DARK * mean_arriving(light, far), NULL };
     RSV_TRY(mark_bends(b, goal, most, &field, split, any));
 cleanup:
     rsv_light_destroy(light);

@@ -68,7 +68,9 @@ static size_t mark_cells(const divider *v, const rsv_elements *e, uint8_t *split
     split_job job = { .before = v->before, .elements = e, .split = split };
     rsv_parallel_for(e->context, e->cell_count, 256, mark_contacts, &job);
     size_t count = job.count;
-    return e->node_count + RSV_NODES_PER_SPLIT * count <= v->before->most_nodes ? count : 0;
+    if (e->node_count + RSV_NODES_PER_SPLIT * count <= v->before->most_nodes) return count;
+    memset(split, 0, e->cell_count);
+    return 0;
 }
 
 /// Splits cells until none asks for it. Those that were there before were judged when things moved.
@@ -78,9 +80,9 @@ static rsv_status split_cells(const divider *v)
     rsv_context *context = coarser->context;
     rsv_elements *e = NULL;
     rsv_status status = RSV_OK;
-    size_t marked = 1;
     uint8_t *split = rsv_alloc(context, coarser->cell_count, 1);
-    while (marked && status == RSV_OK) {
+    size_t marked = split && coarser == judged ? mark_cells(v, coarser, split) : 0;
+    do {
         rsv_elements *finer = NULL;
         RSV_TRY(split ? RSV_OK : RSV_ERROR_MEMORY);
         RSV_TRY(rsv_elements_refine(coarser, split, &finer));
@@ -90,7 +92,7 @@ static rsv_status split_cells(const divider *v)
         rsv_free(context, split);
         split = rsv_alloc(context, e->cell_count, 1);
         marked = split ? mark_cells(v, e, split) : 1;
-    }
+    } while (marked && status == RSV_OK);
 cleanup:
     rsv_free(context, split);
     v->d->elements = e;

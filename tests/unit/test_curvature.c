@@ -65,7 +65,7 @@ static bool find(
     flat_square *s, const float *deviation, rsv_curved_edges places, float *low, float *high)
 {
     memset(s->marked, 0, s->elements->cell_count);
-    const rsv_curvature_field field = { s->value, deviation, 0.2f, 0.01f };
+    const rsv_curvature_field field = { s->value, deviation, 0.2f, 0.01f, NULL };
     assert_int_equal(rsv_find_curved_edges(s->elements, &field, places, mark, s->marked), RSV_OK);
     *low = SIDE, *high = 0;
     bool any = false;

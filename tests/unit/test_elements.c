@@ -696,7 +696,7 @@ static void clusters_shrink_where_leaders_disagree(void **state)
         value[n] = rgb_gray(node_place(e, n).x < 1 ? 1 : 2);
     rsv_elements_constrain(e, value);
     rsv_find_cluster_curvature(
-        e, &(rsv_curvature_field){ value, deviation, 0.2f, 0 }, mark_cell, marked);
+        e, &(rsv_curvature_field){ value, deviation, 0.2f, 0, NULL }, mark_cell, marked);
     double expected = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         if (!marked[c]) continue;
