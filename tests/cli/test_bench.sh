@@ -18,6 +18,9 @@ says 'bare gather loop : application'
 grep -q '^bright-box,two-grid,' solvers.csv || complain "the table lacks a solver"
 grep -q '</svg>' solvers.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf solvers.svg solvers.csv || complain "the curves hold what is no number"
+succeeds bench moving turning-mirror --frames 2 --csv moving.csv
+says "'mirror' moves through 2 frames"
+grep -q '^turning-mirror,2,' moving.csv || complain "the table lacks the mirror"
 succeeds bench fps cornell-blocks --repeat 2 --frames 4 --size 320x180 --csv fps.csv --plot fps.svg
 says ' 0 allocations'
 grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"

@@ -1011,6 +1011,11 @@ static void oversized_pictures_are_refused_before_allocating(void **state)
     const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 65537 +X 1\n";
     write_bytes(path_of("tall.hdr"), hdr, sizeof hdr - 1);
     expect_failure(path_of("tall.hdr"), RSV_ERROR_FORMAT, "size 1 x 65537");
+    write_bytes(path_of("huge.png"), png, make_png16(png, 0x7fffffff, 0x7fffffff, code));
+    expect_failure(path_of("huge.png"), RSV_ERROR_FORMAT, "huge.png");
+    const char huge[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2147483648 +X 2147483648\n";
+    write_bytes(path_of("huge.hdr"), huge, sizeof huge - 1);
+    expect_failure(path_of("huge.hdr"), RSV_ERROR_FORMAT, "size 2147483648 x 2147483648");
     const char announced[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 33041 +X 8041\n";
     write_bytes(path_of("announced.hdr"), announced, sizeof announced - 1);
     expect_failure(path_of("announced.hdr"), RSV_ERROR_FORMAT, "fewer bytes than its rows need");
