@@ -2,16 +2,19 @@
 #ifndef RSV_REFERENCES_H
 #define RSV_REFERENCES_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
+#include <stdint.h>
 
-/// One more holder. Thread-safe.
-static inline void rsv_references_add(atomic_uint *count) { atomic_fetch_add(count, 1); }
+/// One more holder. Thread-safe. (The count is a plain number, as CUDA's compiler reads structs that hold one.)
+static inline void rsv_references_add(uint32_t *count)
+{
+    __atomic_fetch_add(count, 1, __ATOMIC_SEQ_CST);
+}
 
 /// One holder fewer. Thread-safe. @return whether that was the last one
-static inline bool rsv_references_drop(atomic_uint *count)
+static inline bool rsv_references_drop(uint32_t *count)
 {
-    return atomic_fetch_sub(count, 1) == 1;
+    return __atomic_fetch_sub(count, 1, __ATOMIC_SEQ_CST) == 1;
 }
 
 #endif

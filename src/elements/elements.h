@@ -15,8 +15,6 @@
 #include "../core/triangle_grid.h"
 #include "../surface/entry.h"
 
-#include <stdatomic.h>
-
 /// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
 #define RSV_NODES_PER_SPLIT 2
 /// Splits halve cells: a goal's end up at most this much larger than wanted.
@@ -51,7 +49,7 @@ typedef struct rsv_led {
 
 typedef struct rsv_elements {
     rsv_context *context;
-    atomic_uint references; ///< holders; rsv_elements_destroy by the last one frees
+    uint32_t references; ///< holders; rsv_elements_destroy by the last one frees
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
     float spacing;        ///< metres between nodes that was asked for

@@ -6,11 +6,9 @@
 #include "../sources/light_subset.h"
 #include "world.h"
 
-#include <stdatomic.h>
-
 typedef struct rsv_light_sources {
     rsv_context *context;
-    atomic_uint references; ///< holders
+    uint32_t references; ///< holders
     rsv_lights *lights;
     rsv_fog_lights fog_lights;       ///< of those, where the scene has fog
     rsv_rgb *bin_radiance;           ///< [RSV_ESCAPE_BINS] of the surroundings

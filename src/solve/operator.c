@@ -5,13 +5,12 @@
 #include "../scene/material_at.h"
 #include "solve_constants.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 struct rsv_operator {
     rsv_operator_view view;
-    atomic_uint references; ///< holders
-    rsv_operator *base;     ///< whose rows these are; NULL = its own
+    uint32_t references; ///< holders
+    rsv_operator *base;  ///< whose rows these are; NULL = its own
     uint16_t *valid_points;
     rsv_rgb *albedo;
 };

@@ -7,11 +7,9 @@
 
 #include "../specular/specular_path.h"
 
-#include <stdatomic.h>
-
 typedef struct rsv_world {
     rsv_context *context;
-    atomic_uint references;    ///< holders
+    uint32_t references;       ///< holders
     rsv_transport_scene scene; ///< for all that traces
     struct rsv_world *base;    ///< that this one varies; NULL = the scene is the caller's
     rsv_scene *variant;        ///< of the caller's scene; NULL = the same
