@@ -82,9 +82,8 @@ static void read_span(void *data, rsv_span span)
         if (find_place(s, (uint32_t)n, &place)) read_node(&job->probe, (uint32_t)n, &place, d);
         for (int a = 0; a < 3; a++)
             job->axis[a][n] = d[a];
-        size_t done = atomic_fetch_add_explicit(&job->done, 1, memory_order_relaxed) + 1;
-        if (span.worker == 0)
-            rsv_progress(s->context, "directions", (double)done / (double)s->elements->node_count);
+        rsv_item_done(
+            s->context, "directions", span.worker, &job->done, s->elements->node_count);
     }
 }
 

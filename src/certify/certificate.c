@@ -65,7 +65,8 @@ typedef struct sampling_job {
     rsv_visible_surface visible; ///< of surfaces
     const double *sum;           ///< [voxels] areas of voxels, summed up; of air
     atomic_uint_least64_t rays;
-    atomic_uint done, broken;
+    atomic_size_t done;
+    atomic_uint broken;
 } sampling_job;
 
 /// @return whether the light there is a finite number, or the point is buried
@@ -87,9 +88,7 @@ static void take_span(void *data, rsv_span span)
     uint64_t rays = 0;
     for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++) {
         if (!take_sample(job, (uint32_t)k, &rays)) atomic_fetch_add(&job->broken, 1);
-        unsigned done = atomic_fetch_add(&job->done, 1) + 1;
-        if (span.worker == 0)
-            rsv_progress(context, "certify", (double)done / (double)job->x->desc.samples);
+        rsv_item_done(context, "certify", span.worker, &job->done, job->x->desc.samples);
     }
     atomic_fetch_add(&job->rays, rays);
 }

@@ -32,7 +32,7 @@ typedef struct heat_job {
     rsv_medium medium;       ///< the camera's
     uint32_t seed;
     heat_pixel *pixel; ///< [height * width]
-    atomic_uint rows_done;
+    atomic_size_t rows_done;
 } heat_job;
 
 /// The end of a camera ray that matters most.
@@ -134,12 +134,11 @@ static void measure_rows(void *data, rsv_span span)
 {
     heat_job *job = data;
     rsv_context *context = job->solution->context;
-    double height = job->desc.height - BAR_HEIGHT;
+    size_t height = job->desc.height - BAR_HEIGHT;
     for (uint32_t y = (uint32_t)span.begin; y < span.end; y++) {
         for (uint32_t x = 0; x < job->desc.width && !rsv_cancelled(context); x++)
             measure_pixel(job, x, y);
-        unsigned done = atomic_fetch_add(&job->rows_done, 1) + 1;
-        if (span.worker == 0) rsv_progress(context, "heat map", done / height);
+        rsv_item_done(context, "heat map", span.worker, &job->rows_done, height);
     }
 }
 

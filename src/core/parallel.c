@@ -102,6 +102,13 @@ void rsv_parallel_for(const rsv_context *context, size_t count, size_t grain,
     rsv_parallel_workers(context, (count + grain - 1) / grain, take_spans, &loop);
 }
 
+void rsv_item_done(
+    rsv_context *context, const char *phase, int worker, atomic_size_t *done, size_t count)
+{
+    size_t now = atomic_fetch_add_explicit(done, 1, memory_order_relaxed) + 1;
+    if (worker == 0) rsv_progress(context, phase, (double)now / (double)count);
+}
+
 void rsv_atomic_max(_Atomic double *most, double value)
 {
     double known = atomic_load_explicit(most, memory_order_relaxed);

@@ -46,6 +46,11 @@ bool rsv_share_take(rsv_share *share, int worker, rsv_span *span);
 void rsv_parallel_workers(
     const rsv_context *context, size_t most, void (*body)(void *job, int worker), void *job);
 
+/// Counts one of a loop's `count` items as done; worker 0 reports it (rsv_progress).
+/// @param done 0 at first, shared by the workers
+void rsv_item_done(
+    rsv_context *context, const char *phase, int worker, atomic_size_t *done, size_t count);
+
 /// Makes `value` the new `*most` if it is larger.
 void rsv_atomic_max(_Atomic double *most, double value);
 

@@ -51,8 +51,7 @@ static void trace_blocks(void *data, rsv_span span)
         if (rsv_cancelled(context)) continue;
         size_t end = (b + 1) * BLOCK < nodes ? (b + 1) * BLOCK : nodes;
         rsv_node_rays_trace(&job->nodes, b * BLOCK, end, &job->block[b]);
-        size_t done = atomic_fetch_add(&job->done, 1) + 1;
-        if (span.worker == 0) rsv_progress(context, "sky", (double)done / (double)job->block_count);
+        rsv_item_done(context, "sky", span.worker, &job->done, job->block_count);
     }
 }
 

@@ -188,12 +188,6 @@ static void shoot_chunks(void *data, rsv_span span)
     }
 }
 
-static size_t chunks_of(const photon_job *job, uint32_t count)
-{
-    size_t all = ((size_t)count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK;
-    return all > job->place.rank ? (all - job->place.rank - 1) / job->place.size + 1 : 0;
-}
-
 size_t rsv_photon_slots(const rsv_context *context)
 {
     return CHUNKS_PER_WAVE * (size_t)rsv_threads(context);
@@ -206,7 +200,8 @@ static rsv_status shoot_source(
     const rsv_photon_sink *sink = job->sink;
     source_job s = { .job = job, .id = id, .count = count, .done = done };
     s.share = job->source[id].share;
-    s.chunks = chunks_of(job, count);
+    s.chunks = rsv_team_turns(
+        job->place, ((size_t)count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK);
     size_t most = sink->collect ? rsv_photon_slots(context) : s.chunks;
     for (; s.first < s.chunks && !rsv_cancelled(context); s.first += most) {
         size_t left = s.chunks - s.first, slots = left < most ? left : most;

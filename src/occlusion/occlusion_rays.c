@@ -62,7 +62,7 @@ static void render_row(const rsv_occlusion_job *job, uint32_t row, rsv_rgb *pixe
 
 typedef struct picture_job {
     const rsv_occlusion_job *job;
-    atomic_uint rows_done;
+    atomic_size_t done; ///< rows
 } picture_job;
 
 static void render_rows(void *data, rsv_span span)
@@ -74,9 +74,8 @@ static void render_rows(void *data, rsv_span span)
     for (size_t row = span.begin; row < span.end; row++) {
         if (rsv_cancelled(context)) continue;
         render_row(job, (uint32_t)row, pixels + row * job->shared->setting.width);
-        unsigned done = atomic_fetch_add(&picture->rows_done, 1) + 1;
-        if (span.worker == 0)
-            rsv_progress(context, "render", (double)done / job->shared->setting.height);
+        rsv_item_done(
+            context, "render", span.worker, &picture->done, job->shared->setting.height);
     }
 }
 

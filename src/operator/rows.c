@@ -131,9 +131,7 @@ static void trace_blocks(void *job, rsv_span span)
     for (size_t k = span.begin; k < span.end && !rsv_cancelled(context); k++) {
         rsv_status status =
             trace_block(a, w->first, w->first + k, &a->scratch[span.worker], &a->block[k]);
-        size_t done = atomic_fetch_add(&w->done, 1) + 1;
-        if (span.worker == 0)
-            rsv_progress(context, "assemble", (double)done / (double)a->block_count);
+        rsv_item_done(context, "assemble", span.worker, &w->done, a->block_count);
         if (status == RSV_OK) continue;
         rsv_keep_failure(&w->result, status);
         rsv_team_alarm(context);

@@ -127,8 +127,7 @@ static void render_rows(void *user, rsv_span span)
         uint32_t y = job->place.rank + (uint32_t)k * job->place.size;
         for (uint32_t x = 0; x < picture->desc->width; x++)
             render_pixel(picture, x, y, &picture->row[y]);
-        size_t done = atomic_fetch_add(&job->done, 1) + 1;
-        if (span.worker == 0) rsv_progress(context, phase, (double)done / (double)job->count);
+        rsv_item_done(context, phase, span.worker, &job->done, job->count);
     }
 }
 

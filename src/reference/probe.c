@@ -130,8 +130,7 @@ static void measure_groups(void *user, rsv_span span)
         size_t probe = i / GROUPS;
         uint32_t stream = rsv_hash3((uint32_t)probe, (uint32_t)(i % GROUPS), job->seed);
         job->group[i] = measure_group(job->tracer, &job->receiver[probe], job->samples, stream);
-        size_t done = atomic_fetch_add(&job->done, 1) + 1;
-        if (span.worker == 0) rsv_progress(context, phase, (double)done / (double)job->count);
+        rsv_item_done(context, phase, span.worker, &job->done, job->count);
     }
 }
 

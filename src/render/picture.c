@@ -41,9 +41,7 @@ static rsv_status render_row(row_work *work, rsv_picture_row *state, size_t inde
     rsv_context *context = job->solution->context;
     uint32_t row = work->place.rank + (uint32_t)index * work->place.size;
     rsv_status status = rsv_picture_row_render(state, row);
-    double done = (double)(atomic_fetch_add(&work->done, 1) + 1);
-    if (worker == 0)
-        rsv_progress(context, "render", fmin(done * work->place.size / job->desc->height, 1));
+    rsv_item_done(context, "render", worker, &work->done, work->rows.count);
     return status;
 }
 

@@ -379,8 +379,7 @@ static void read_probes(void *user, rsv_span span)
     for (size_t k = span.begin; k < span.end && !rsv_cancelled(s->context); k++) {
         r->reading[k] = r->lookup ? look_up(s, r->job.noise, &r->probe[k])
                                   : rsv_probe_read(&r->job, &r->probe[k], (uint32_t)k);
-        size_t done = atomic_fetch_add(&r->done, 1) + 1;
-        if (span.worker == 0) rsv_progress(s->context, "probe", (double)done / (double)r->count);
+        rsv_item_done(s->context, "probe", span.worker, &r->done, r->count);
     }
 }
 
