@@ -96,7 +96,8 @@ typedef struct benchmark {
     uint32_t repetitions;                       ///< likewise
     uint32_t size;                              ///< likewise, where it is an option
     cli_size frame_size;                        ///< likewise
-    int quality;                                ///< likewise, where it is an option
+    bool has_quality;                           ///< --quality is an option
+    int quality;                                ///< likewise, where it is
     void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
 
@@ -111,6 +112,7 @@ static const benchmark benchmarks[] = {
         .print = cli_print_assemble,
         .scenes = { "cornell-blocks" },
         .repetitions = 5,
+        .has_quality = true,
         .quality = BENCH_DRAFT_AND_MEDIUM },
     { .name = "quality",
         .run = cli_bench_quality,
@@ -120,6 +122,7 @@ static const benchmark benchmarks[] = {
         .scenes = { "cornell-blocks" },
         .repetitions = 3,
         .size = 256,
+        .has_quality = true,
         .quality = RSV_QUALITY_HIGH },
     { .name = "relight",
         .run = cli_bench_relight,
@@ -133,6 +136,7 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_solvers_plot,
         .scenes = { "cornell-blocks", "bright-box" },
         .repetitions = 5,
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "fps",
         .run = cli_bench_fps,
@@ -141,6 +145,7 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_fps_plot,
         .scenes = { "cornell-plaster", "cornell-showcase" },
         .frame_size = { 1280, 720 },
+        .has_quality = true,
         .quality = RSV_QUALITY_DRAFT },
     { .name = "rooms",
         .run = cli_bench_rooms,
@@ -152,6 +157,7 @@ static const benchmark benchmarks[] = {
             "japanese_classroom", "head", "SheenChair", "MetalRoughSpheres",
             "TransmissionRoughness", "ClearCoat" },
         .frame_size = { 1280, 720 },
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "pictures",
         .run = cli_bench_pictures,
@@ -163,6 +169,7 @@ static const benchmark benchmarks[] = {
             "cornell-glass", "cornell-marble" },
         .repetitions = 1,
         .frame_size = { 640, 360 },
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "bake",
         .run = cli_bench_bake,
@@ -172,6 +179,7 @@ static const benchmark benchmarks[] = {
         .scenes = { "cornell-blocks" },
         .repetitions = 1,
         .size = 512,
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "fig8",
         .run = cli_bench_fig8,
@@ -193,6 +201,7 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_rebake_csv,
         .scenes = { "gallery" },
         .repetitions = 1,
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "moving",
         .run = cli_bench_moving,
@@ -200,6 +209,7 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_moving_csv,
         .scenes = { "cornell-blocks", "two-rooms" },
         .repetitions = 1,
+        .has_quality = true,
         .quality = RSV_QUALITY_DRAFT },
     { .name = "goal",
         .run = cli_bench_goal,
@@ -215,6 +225,7 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_levels_plot,
         .scenes = { "cornell-blocks" },
         .repetitions = 1,
+        .has_quality = true,
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "certificate",
         .run = cli_bench_certificate,
@@ -236,6 +247,7 @@ static const benchmark benchmarks[] = {
         .print = cli_print_gpu,
         .scenes = { "cornell-blocks" },
         .repetitions = 21,
+        .has_quality = true,
         .quality = RSV_QUALITY_HIGH },
     { .name = "scale",
         .run = cli_bench_scale,
@@ -365,9 +377,7 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--max-time belongs to bench pictures");
     if (s->bench.strips && !is_rooms)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
-    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
-        b->run != cli_bench_rebake && b->run != cli_bench_moving && b->run != cli_bench_gpu &&
-        b->run != cli_bench_assemble && b->run != cli_bench_solvers && !flies && !bakes)
+    if (s->bench.quality >= 0 && !b->has_quality)
         return cli_usage_error("bench",
             "--quality belongs to bench assemble, solvers, bake, levels, quality, rebake, moving, gpu, "
             "fps, rooms and pictures");

@@ -1,4 +1,5 @@
 #include "benchmarks.h"
+#include "box_mesh.h"
 #include "moving_scenes.h"
 
 #include <string.h>
@@ -6,10 +7,6 @@
 /// A closed box of albedo 0.95 with a lamp in it: hardly anything is absorbed, and the series takes its time.
 static rsv_status create_bright_box(rsv_context *context, rsv_scene **scene)
 {
-    static const rsv_vec3 corner[8] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 },
-        { 0, 0, 1.5f }, { 1, 0, 1.5f }, { 0, 1, 1.5f }, { 1, 1, 1.5f } };
-    static const uint32_t inwards[36] = { 0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 2, 6, 0, 6, 4, 1,
-        5, 7, 1, 7, 3, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6 };
     rsv_material white = rsv_default_material();
     white.base_color = (rsv_rgb){ 0.95f, 0.95f, 0.95f };
     white.metallic = 0;
@@ -18,16 +15,12 @@ static rsv_status create_bright_box(rsv_context *context, rsv_scene **scene)
         .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.3f, 0.8f, 1.1f },
         .intensity = { 1, 1, 1 } };
-    rsv_mesh_desc box = { .name = "box",
-        .positions = corner,
-        .vertex_count = 8,
-        .indices = inwards,
-        .triangle_count = 12 };
-    uint32_t mesh;
+    uint32_t material;
     rsv_status status = rsv_scene_create(context, scene);
-    if (status == RSV_OK) status = rsv_scene_add_material(*scene, &white, &box.material);
-    if (status == RSV_OK) status = rsv_scene_add_mesh(*scene, &box, &mesh);
-    if (status == RSV_OK) status = rsv_scene_add_instance(*scene, mesh, NULL, NULL);
+    if (status == RSV_OK) status = rsv_scene_add_material(*scene, &white, &material);
+    if (status == RSV_OK)
+        status = cli_add_box(*scene, "box", (rsv_vec3){ 0, 0, 0 }, (rsv_vec3){ 1, 1, 1.5f },
+            CLI_FACES_INWARDS, material);
     if (status == RSV_OK) status = rsv_scene_add_light(*scene, &lamp);
     if (status == RSV_OK) status = rsv_scene_commit(*scene);
     return status;

@@ -6,35 +6,32 @@
 /// What is moved is smaller than this part of the scene.
 static const float largest_part = 0.1f;
 
-typedef struct box {
-    float low[3], high[3];
-} box;
-
-static const float *coordinates(const rsv_vec3 *v) { return &v->x; }
-
-static box bounds_of(const rsv_scene_view *view, uint32_t object)
+void cli_object_bounds(const rsv_scene *scene, uint32_t object, rsv_vec3 *low, rsv_vec3 *high)
 {
-    box b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-    for (size_t t = 0; t < view->triangle_count; t++)
-        for (int k = 0; k < 3 && view->triangle_object[t] == object; k++)
-            for (int axis = 0; axis < 3; axis++) {
-                float x = coordinates(&view->position[view->triangle[t][k]])[axis];
-                b.low[axis] = fminf(b.low[axis], x);
-                b.high[axis] = fmaxf(b.high[axis], x);
-            }
-    return b;
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    uint32_t first;
+    size_t count = rsv_scene_object_triangles(scene, object, &first);
+    *low = (rsv_vec3){ INFINITY, INFINITY, INFINITY };
+    *high = (rsv_vec3){ -INFINITY, -INFINITY, -INFINITY };
+    for (size_t k = 0; k < 3 * count; k++) {
+        rsv_vec3 p = view->position[view->triangle[first + k / 3][k % 3]];
+        *low = (rsv_vec3){ fminf(low->x, p.x), fminf(low->y, p.y), fminf(low->z, p.z) };
+        *high = (rsv_vec3){ fmaxf(high->x, p.x), fmaxf(high->y, p.y), fmaxf(high->z, p.z) };
+    }
 }
 
-static bool is_small(const rsv_scene_view *view, uint32_t object)
+static float longest_side(rsv_vec3 low, rsv_vec3 high)
 {
-    box b = bounds_of(view, object);
-    float size = 0, whole = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        size = fmaxf(size, b.high[axis] - b.low[axis]);
-        whole = fmaxf(
-            whole, coordinates(&view->bounds_max)[axis] - coordinates(&view->bounds_min)[axis]);
-    }
-    return size > 0 && size < largest_part * whole;
+    return fmaxf(fmaxf(high.x - low.x, high.y - low.y), high.z - low.z);
+}
+
+static bool is_small(const rsv_scene *scene, uint32_t object)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    rsv_vec3 low, high;
+    cli_object_bounds(scene, object, &low, &high);
+    float size = longest_side(low, high);
+    return size > 0 && size < largest_part * longest_side(view->bounds_min, view->bounds_max);
 }
 
 uint32_t cli_find_movable_object(const rsv_scene *scene)
@@ -45,7 +42,7 @@ uint32_t cli_find_movable_object(const rsv_scene *scene)
     for (size_t t = 0; triangles && t < view->triangle_count; t++)
         triangles[view->triangle_object[t]]++;
     for (uint32_t object = 0; triangles && object < view->object_count; object++) {
-        if (triangles[object] <= most || !is_small(view, object)) continue;
+        if (triangles[object] <= most || !is_small(scene, object)) continue;
         best = object;
         most = triangles[object];
     }
@@ -55,8 +52,9 @@ uint32_t cli_find_movable_object(const rsv_scene *scene)
 
 float cli_object_extent(const rsv_scene *scene, uint32_t object)
 {
-    box b = bounds_of(rsv_scene_get_view(scene), object);
-    return b.high[0] - b.low[0];
+    rsv_vec3 low, high;
+    cli_object_bounds(scene, object, &low, &high);
+    return high.x - low.x;
 }
 
 static bool belong_together(const rsv_scene_view *view, size_t a, size_t b)

@@ -8,6 +8,9 @@
 /// the scene; the first of them. RSV_NONE = there is none.
 uint32_t cli_find_movable_object(const rsv_scene *scene);
 
+/// Lower and upper ends of an object along each axis, metres.
+void cli_object_bounds(const rsv_scene *scene, uint32_t object, rsv_vec3 *low, rsv_vec3 *high);
+
 /// Metres along x.
 float cli_object_extent(const rsv_scene *scene, uint32_t object);
 

@@ -1,33 +1,12 @@
 #include "moving_scenes.h"
 
+#include "box_mesh.h"
+#include "moved_scene.h"
+
 #include <math.h>
 #include <string.h>
 
 enum { SIDES = 16, BOXES = 100 };
-
-static const uint32_t outwards[36] = { 0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 6, 2, 0, 4, 6, 1, 7,
-    5, 1, 3, 7, 0, 5, 4, 0, 1, 5, 2, 7, 3, 2, 6, 7 };
-static const uint32_t inwards[36] = { 0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 2, 6, 0, 6, 4, 1, 5, 7,
-    1, 7, 3, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6 };
-
-/// A box between two corners. @param indices outwards or inwards
-static rsv_status add_box(rsv_scene *scene, const char *name, rsv_vec3 low, rsv_vec3 high,
-    const uint32_t *indices, uint32_t material)
-{
-    rsv_vec3 corner[8];
-    uint32_t mesh;
-    for (int k = 0; k < 8; k++)
-        corner[k] =
-            (rsv_vec3){ k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z };
-    const rsv_mesh_desc desc = { .name = name,
-        .positions = corner,
-        .vertex_count = 8,
-        .indices = indices,
-        .triangle_count = 12,
-        .material = material };
-    rsv_status status = rsv_scene_add_mesh(scene, &desc, &mesh);
-    return status == RSV_OK ? rsv_scene_add_instance(scene, mesh, NULL, NULL) : status;
-}
 
 static rsv_status add_material(rsv_scene *scene, rsv_rgb color, rsv_rgb emission, uint32_t *id)
 {
@@ -47,7 +26,8 @@ static rsv_status add_room(rsv_scene *scene)
     rsv_status status =
         add_material(scene, (rsv_rgb){ 0.7f, 0.7f, 0.7f }, (rsv_rgb){ 0, 0, 0 }, &white);
     if (status != RSV_OK) return status;
-    return add_box(scene, "room", (rsv_vec3){ -2, 0, -2 }, (rsv_vec3){ 2, 3, 2 }, inwards, white);
+    return cli_add_box(
+        scene, "room", (rsv_vec3){ -2, 0, -2 }, (rsv_vec3){ 2, 3, 2 }, CLI_FACES_INWARDS, white);
 }
 
 /// @param radius half a side, metres
@@ -59,7 +39,7 @@ static rsv_status add_lamp(rsv_scene *scene, rsv_vec3 at, float radius, float ra
     if (status != RSV_OK) return status;
     const rsv_vec3 low = { at.x - radius, at.y - 0.05f, at.z - radius },
                    high = { at.x + radius, at.y + 0.05f, at.z + radius };
-    return add_box(scene, "lamp", low, high, outwards, lamp);
+    return cli_add_box(scene, "lamp", low, high, CLI_FACES_OUTWARDS, lamp);
 }
 
 static rsv_status add_mirror(rsv_scene *scene)
@@ -72,8 +52,8 @@ static rsv_status add_mirror(rsv_scene *scene)
     rsv_status status = add_lamp(scene, (rsv_vec3){ 0.8f, 2.8f, 0.8f }, 0.2f, 40);
     if (status == RSV_OK) status = rsv_scene_add_material(scene, &m, &mirror);
     if (status != RSV_OK) return status;
-    return add_box(scene, "mirror", (rsv_vec3){ -0.6f, 0.2f, -0.02f },
-        (rsv_vec3){ 0.6f, 1.4f, 0.02f }, outwards, mirror);
+    return cli_add_box(scene, "mirror", (rsv_vec3){ -0.6f, 0.2f, -0.02f },
+        (rsv_vec3){ 0.6f, 1.4f, 0.02f }, CLI_FACES_OUTWARDS, mirror);
 }
 
 /// A cone without ends, wider below, which hangs above its bulb at first.
@@ -116,7 +96,7 @@ static rsv_status add_boxes(rsv_scene *scene)
         const rsv_vec3 low = { -1.7f + 0.35f * (float)(k % 10),
             0.3f + 0.017f * (float)((61 * k) % BOXES), -1.7f + 0.35f * (float)(k / 10) };
         const rsv_vec3 high = { low.x + 0.15f, low.y + 0.15f, low.z + 0.15f };
-        status = add_box(scene, "box", low, high, outwards, paint[k % 3]);
+        status = cli_add_box(scene, "box", low, high, CLI_FACES_OUTWARDS, paint[k % 3]);
     }
     return status;
 }
@@ -166,21 +146,6 @@ const cli_motion *cli_find_motion(const char *scene)
     return NULL;
 }
 
-/// Lower and upper ends of an object, and with them its middle and radius.
-static void bounds_of(const rsv_scene *scene, uint32_t object, rsv_vec3 *low, rsv_vec3 *high)
-{
-    const rsv_scene_view *view = rsv_scene_get_view(scene);
-    uint32_t first;
-    size_t count = rsv_scene_object_triangles(scene, object, &first);
-    *low = (rsv_vec3){ INFINITY, INFINITY, INFINITY };
-    *high = (rsv_vec3){ -INFINITY, -INFINITY, -INFINITY };
-    for (size_t k = 0; k < 3 * count; k++) {
-        rsv_vec3 p = view->position[view->triangle[first + k / 3][k % 3]];
-        *low = (rsv_vec3){ fminf(low->x, p.x), fminf(low->y, p.y), fminf(low->z, p.z) };
-        *high = (rsv_vec3){ fmaxf(high->x, p.x), fmaxf(high->y, p.y), fmaxf(high->z, p.z) };
-    }
-}
-
 /// Turned about an axis along z through a point.
 static rsv_motion roll(uint32_t object, float angle, float x, float y, float shift)
 {
@@ -193,7 +158,7 @@ static rsv_motion roll(uint32_t object, float angle, float x, float y, float shi
 rsv_motion cli_motion_at(const cli_motion *m, const rsv_scene *scene, uint32_t object, float share)
 {
     rsv_vec3 low, high;
-    bounds_of(scene, object, &low, &high);
+    cli_object_bounds(scene, object, &low, &high);
     float shift = share * m->shift.x;
     if (m->rolls)
         return roll(object, -2 * shift / (high.y - low.y), 0.5f * (low.x + high.x),
