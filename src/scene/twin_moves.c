@@ -30,12 +30,16 @@ rsv_status rsv_scene_copy_twins(rsv_scene *variant)
     own->tree.face =
         copy_bytes(context, from->tree.face, from->tree.face_count * sizeof *from->tree.face);
     own->flags = copy_bytes(context, from->flags, variant->triangle_count);
+    own->sole = from->sole
+                    ? copy_bytes(context, from->sole, variant->triangle_count * sizeof *own->sole)
+                    : NULL;
     own->twins.node = own->tree.node;
     own->twins.face = own->tree.face;
     own->twins.flags = own->flags;
+    own->twins.sole = own->sole;
     variant->twins = own;
     variant->view.twins = &own->twins;
-    bool complete = own->tree.node && own->tree.face && own->flags;
+    bool complete = own->tree.node && own->tree.face && own->flags && (own->sole || !from->sole);
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
@@ -45,6 +49,7 @@ void rsv_scene_release_twins(rsv_scene *scene)
     rsv_twin_tree_destroy(&scene->twins->tree);
     rsv_twin_tree_destroy(&scene->twins->whole);
     rsv_free(scene->context, scene->twins->flags);
+    rsv_free(scene->context, scene->twins->sole);
     rsv_free(scene->context, scene->twins);
     scene->twins = NULL;
 }
@@ -168,10 +173,20 @@ static const rsv_vec3 *home_of(const rsv_scene *scene)
     return scene->position;
 }
 
+/// What is known of single faces does not hold once triangles have moved.
+static void forget_sole(rsv_scene *scene)
+{
+    if (!scene->twins) return;
+    rsv_free(scene->context, scene->twins->sole);
+    scene->twins->sole = NULL;
+    scene->twins->twins.sole = NULL;
+}
+
 rsv_status rsv_scene_move_twins(rsv_scene *scene)
 {
     rsv_status status;
     if (!scene->owns_positions) return RSV_OK;
+    forget_sole(scene);
     if (!scene->twins || !scene->twins->whole.node) RSV_TRY(prepare(scene));
     rsv_twins_owner *owner = scene->twins;
     rsv_twin_tree_fit(&scene->view, &owner->whole);

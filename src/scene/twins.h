@@ -37,6 +37,8 @@
 #define RSV_TWIN_ROUNDING 0x1p-21f
 /// Faces at one place that are looked at: more are a heap.
 #define RSV_TWIN_MOST 256
+/// Hits whose barycentric coordinates are all larger lie well inside their triangle.
+#define RSV_TWIN_INSET 0x1p-6f
 
 /// A box around triangles. Nodes stand in the order in which a search visits them: the first child of an inner node comes
 /// next; whoever misses the box goes on at `next`. A leaf has none but itself.
@@ -52,6 +54,9 @@ typedef struct rsv_twins {
     const uint8_t *flags;      ///< [triangle_count]
     const rsv_twin_node *node; ///< [node_count + 1], the last without a box
     const uint32_t *face;      ///< [face_count] triangles with a flag that are not copies
+    const uint32_t *
+        sole; ///< [triangle_count] the only face at places well inside a triangle; itself = none is;
+              ///< RSV_NONE = several may be. NULL = not known: they are searched for
     uint32_t node_count, face_count;
     float reach;    ///< metres that opposite faces at the same place may lie apart, of any size
     float rounding; ///< metres within which places are the same, likewise
@@ -183,6 +188,13 @@ RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv
     s->hit->v = v;
 }
 
+/// The one face to look at for a hit; the hit's own triangle = none. RSV_NONE = all around must be looked at.
+RSV_INLINE uint32_t rsv_twin_sole(const rsv_twins *twins, const rsv_hit *hit)
+{
+    float least = f_min(f_min(hit->u, hit->v), 1 - hit->u - hit->v);
+    return twins->sole && least > RSV_TWIN_INSET ? twins->sole[hit->triangle] : RSV_NONE;
+}
+
 /// Looks through the faces at the place of a hit. @param hit in: what was met; out: what is seen
 /// @return whether one of them turns the other way than what was met
 RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit *hit)
@@ -201,7 +213,9 @@ RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction
     s.opposite = false;
     s.hit = hit;
     float reach = twins->reach + twins->rounding;
-    for (uint32_t n = 0; n < twins->node_count && s.found < RSV_TWIN_MOST;) {
+    uint32_t sole = rsv_twin_sole(twins, hit), count = sole == RSV_NONE ? twins->node_count : 0;
+    if (sole != RSV_NONE && sole != s.met) rsv_twin_try(scene, sole, &s);
+    for (uint32_t n = 0; n < count && s.found < RSV_TWIN_MOST;) {
         const rsv_twin_node *node = &twins->node[n];
         bool misses = rsv_twin_misses(node, s.point, reach);
         if (!misses && node->next == n + 1)

@@ -12,6 +12,7 @@ typedef struct rsv_twins_owner {
     rsv_twins twins; ///< the view's, once there are any
     rsv_twin_tree tree;
     uint8_t *flags;      ///< [triangle_count]
+    uint32_t *sole;      ///< [triangle_count] see rsv_twins; NULL once triangles have moved
     rsv_twin_tree whole; ///< of a variant: all triangles, from the first move on
 } rsv_twins_owner;
 
@@ -24,5 +25,9 @@ uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool oppo
 /// Makes the tree of the triangles that have flags and are not hidden, and puts it into the scene's view.
 /// @param owner the scene's, with flags
 rsv_status rsv_twins_plant(rsv_scene *scene);
+
+/// Finds the triangles at whose places there is one other face alone, so that hits need no search.
+/// @param scene with twins in its view
+rsv_status rsv_twins_find_sole(rsv_scene *scene);
 
 #endif

@@ -1,0 +1,134 @@
+/// Triangles at whose places there is one other face alone.
+#include "../core/parallel.h"
+#include "scene.h"
+#include "twins_owner.h"
+
+/// Slacks are taken so many times as wide as hits take them: what lies close to a limit counts as being there.
+#define WIDER 2.0
+
+/// Triangles that are slimmer are searched for at each hit: too much of their coordinates is rounding.
+#define LEAST_NORMAL 1e-3f
+
+/// Faces that one triangle looks at: more are a heap, or the tip of a fan.
+#define MOST_LOOKS 256
+
+/// Places of a triangle that hits may be at well inside it: a smaller triangle.
+typedef struct inner_part {
+    uint32_t triangle;
+    rsv_vec3 corner[3], low, high, normal;
+    float rounding, reach; ///< of the triangle
+} inner_part;
+
+static inner_part inner_part_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const float far = 1 - 2 * RSV_TWIN_INSET;
+    const rsv_twins *twins = view->twins;
+    rsv_twin_plane plane = rsv_twin_plane_of(view, triangle);
+    inner_part a = { .triangle = triangle, .normal = plane.normal };
+    a.corner[0] = rsv_twin_point(&plane, RSV_TWIN_INSET, RSV_TWIN_INSET);
+    a.corner[1] = rsv_twin_point(&plane, far, RSV_TWIN_INSET);
+    a.corner[2] = rsv_twin_point(&plane, RSV_TWIN_INSET, far);
+    a.low = v3_min(v3_min(a.corner[0], a.corner[1]), a.corner[2]);
+    a.high = v3_max(v3_max(a.corner[0], a.corner[1]), a.corner[2]);
+    a.rounding = rsv_twin_rounding(&plane, twins->rounding);
+    a.reach = rsv_twin_reach(&plane, a.rounding, twins->reach);
+    return a;
+}
+
+static bool misses(const rsv_twin_node *node, const inner_part *a, float reach)
+{
+    return a->high.x < node->low.x - reach || a->low.x > node->high.x + reach ||
+           a->high.y < node->low.y - reach || a->low.y > node->high.y + reach ||
+           a->high.z < node->low.z - reach || a->low.z > node->high.z + reach;
+}
+
+/// A dot product in double: a small face may be seen from far corners of a large one.
+static double dot(rsv_vec3 a, rsv_vec3 b)
+{
+    return (double)a.x * b.x + (double)a.y * b.y + (double)a.z * b.z;
+}
+
+/// Whether all three are on one side of the band between -width and width.
+static bool are_beyond(const double x[3], double width)
+{
+    return (x[0] > width && x[1] > width && x[2] > width) ||
+           (x[0] < -width && x[1] < -width && x[2] < -width);
+}
+
+/// Whether all three are below.
+static bool are_below(const double x[3], double least)
+{
+    return x[0] < least && x[1] < least && x[2] < least;
+}
+
+/// Whether no hit in the inner part can be on a face: what rsv_twin_covers asks is linear in the place, so that it
+/// holds nowhere if it fails at all corners for the same reason.
+static bool is_clear_of(const rsv_scene_view *view, const inner_part *a, uint32_t face)
+{
+    const rsv_twins *twins = view->twins;
+    rsv_twin_plane p = rsv_twin_plane_of(view, face);
+    float length = v3_length(p.normal), own = rsv_twin_rounding(&p, twins->rounding);
+    double rounding = f_max(own, a->rounding);
+    double reach = f_max(f_min(rsv_twin_reach(&p, own, twins->reach), a->reach), (float)rounding);
+    double fall = WIDER * rounding * p.scale / length, square = dot(p.normal, p.normal);
+    double height[3], u[3], v[3], w[3];
+    if (!(length > LEAST_NORMAL)) return false;
+    for (int k = 0; k < 3; k++) {
+        rsv_vec3 to = v3_scale(v3_sub(a->corner[k], p.corner), p.scale);
+        height[k] = dot(p.normal, to) / length;
+        u[k] = dot(v3_cross(p.edge2, p.normal), to) / square;
+        v[k] = dot(v3_cross(p.normal, p.edge1), to) / square;
+        w[k] = 1 - u[k] - v[k];
+    }
+    return are_beyond(height, WIDER * reach * p.scale) ||
+           are_below(u, -fall * v3_length(p.edge2)) || are_below(v, -fall * v3_length(p.edge1)) ||
+           are_below(w, -fall * v3_length(v3_sub(p.edge2, p.edge1)));
+}
+
+/// The only face that hits well inside a triangle may be on, the triangle itself if there is none; RSV_NONE = several.
+static uint32_t find_sole(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_twins *twins = view->twins;
+    inner_part a = inner_part_of(view, triangle);
+    float reach = WIDER * (twins->reach + twins->rounding);
+    uint32_t sole = triangle, looks = 0;
+    if (!(v3_length(a.normal) > LEAST_NORMAL)) return RSV_NONE;
+    for (uint32_t n = 0; n < twins->node_count;) {
+        const rsv_twin_node *node = &twins->node[n];
+        bool missed = misses(node, &a, reach);
+        uint32_t end = !missed && node->next == n + 1 ? node[1].first : node->first;
+        for (uint32_t k = node->first; k < end; k++) {
+            uint32_t face = twins->face[k];
+            if (++looks > MOST_LOOKS) return RSV_NONE;
+            if (face == triangle || is_clear_of(view, &a, face)) continue;
+            if (sole != triangle) return RSV_NONE;
+            sole = face;
+        }
+        n = missed ? node->next : n + 1;
+    }
+    return sole;
+}
+
+typedef struct sole_job {
+    const rsv_scene_view *view;
+    uint32_t *sole;
+} sole_job;
+
+static void find_all(void *data, rsv_span span)
+{
+    const sole_job *job = data;
+    for (uint32_t t = (uint32_t)span.begin; t < span.end; t++)
+        job->sole[t] = job->view->twins->flags[t] ? find_sole(job->view, t) : t;
+}
+
+rsv_status rsv_twins_find_sole(rsv_scene *scene)
+{
+    rsv_twins_owner *owner = scene->twins;
+    sole_job job = { &scene->view,
+        rsv_reserve(scene->context, scene->triangle_count, sizeof *owner->sole) };
+    if (!job.sole) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(scene->context, scene->triangle_count, 256, find_all, &job);
+    owner->sole = job.sole;
+    owner->twins.sole = job.sole;
+    return RSV_OK;
+}
