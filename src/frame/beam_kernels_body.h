@@ -1,7 +1,7 @@
 /// Part of packet_kernels_body.h: finding the triangles of a beam, and packets that meet them.
 #include "../bvh/bvh_trace.h"
 #include "../sources/double3.h"
-#include "../trace/packet.h"
+#include "../trace/packet_settle.h"
 
 /// Beams that visit more nodes are not worth it.
 #define MOST_NODES 96

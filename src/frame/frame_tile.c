@@ -195,12 +195,24 @@ static void locate_block(const tile *t, uint32_t block)
     w->begins[stage] = dimmed ? 0xffff : w->left[stage] & ~w->glossy[stage];
 }
 
+/// Widths of pixels where a packet's rays ended, metres. @param width [RSV_LANES] out
+static void find_widths(const tile *t, const rsv_ray_packet *p, float *width)
+{
+    for (int k = 0; k < RSV_LANES; k++)
+        width[k] = t->eye->spread * p->t_max[k];
+}
+
 static void descend_block(const tile *t, uint32_t block)
 {
     rsv_tile_worker *w = t->worker;
     uint32_t stage = block % RSV_STAGES;
     t->tiling->kernels->descend(t->tiling->table, &w->places[stage]);
     rsv_prefetch_corners(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
+    if (!w->glossy[stage]) return;
+    float width[RSV_LANES];
+    find_widths(t, &w->packet[stage], width);
+    t->tiling->kernels->find_ahead(
+        &t->tiling->shading, &w->packet[stage], width, w->glossy[stage], &w->ahead[stage]);
 }
 
 /// Shows a lane's pixel once more, by a path that is followed to all its ends.
@@ -268,10 +280,10 @@ static void look_up_block(const tile *t, uint32_t block)
     t->tiling->kernels->look_up(t->tiling->table, &w->places[stage], w->radiance + first);
     if (w->glossy[stage]) {
         float width[RSV_LANES];
-        for (int k = 0; k < RSV_LANES; k++)
-            width[k] = t->eye->spread * w->packet[stage].t_max[k];
+        find_widths(t, &w->packet[stage], width);
         t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage], width,
-            w->glossy[stage], w->radiance + first, (rsv_glossy_block){ &w->gloss, first });
+            w->glossy[stage], w->radiance + first,
+            (rsv_glossy_block){ &w->gloss, first, &w->ahead[stage] });
     }
     if (has_history(t)) note_depths(&w->packet[stage], w->depth + first);
     if (t->tiling->mover) show_mover(t, column, row, stage);

@@ -123,16 +123,49 @@ static inline uint32_t lanes_of_material(const glossy_lanes *restrict g, int mat
     return lanes;
 }
 
+/// Texels that lanes at surfaces of one material read, unless these are not packed.
+static void find_texels_ahead(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
+    const float *restrict width, uint32_t lanes, rsv_texels_ahead *restrict to)
+{
+    _Alignas(64) int triangle[LANES];
+    glossy_lanes g;
+    to->lanes = 0;
+    if (!lanes) return;
+    fill_triangles(p, lanes, triangle);
+    gather(s->view->triangle_material, triangle, g.material);
+    int material = g.material[__builtin_ctz(lanes)];
+    if (!s->materials[material].texture_count) return;
+    const rsv_texture_ref *ref = packed_texture_of(s->view, (uint32_t)material);
+    if (!ref) return;
+    to->lanes = lanes & lanes_of_material(&g, material);
+    fill_triangles(p, to->lanes, triangle);
+    find_texels_of(s->view, ref, triangle, p, width, to);
+}
+
+/// A packet whose pixels have footprints.
+typedef struct textured_packet {
+    const rsv_ray_packet *rays;
+    const float *width;            ///< [LANES] metres
+    const rsv_texels_ahead *ahead; ///< NULL = none
+} textured_packet;
+
 /// Base colors of lanes at surfaces of one material with textures.
-static inline void find_colors(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
-    const float *restrict width, uint32_t lanes, uint32_t material, glossy_constants *restrict to)
+static inline void find_colors(const rsv_glossy_shading *s, textured_packet packet, uint32_t lanes,
+    uint32_t material, glossy_constants *restrict to)
 {
     _Alignas(64) float color[3][LANES];
     _Alignas(64) int triangle[LANES];
+    const rsv_ray_packet *restrict p = packet.rays;
     const rsv_texture_ref *ref = packed_texture_of(s->view, material);
     if (ref) {
-        fill_triangles(p, lanes, triangle);
-        look_texture_up(s->view, ref, triangle, p, width, color);
+        rsv_texels_ahead now;
+        const rsv_texels_ahead *texels = packet.ahead;
+        if (!texels || texels->lanes != lanes) {
+            fill_triangles(p, lanes, triangle);
+            find_texels_of(s->view, ref, triangle, p, packet.width, &now);
+            texels = &now;
+        }
+        read_texels(&s->view->texture[ref->texture], texels, color);
         for (int k = 0; k < LANES; k++)
             for (int c = 0; c < 3; c++)
                 to->color[c][k] *= lanes >> k & 1 ? color[c][k] : 1;
@@ -140,14 +173,13 @@ static inline void find_colors(const rsv_glossy_shading *s, const rsv_ray_packet
     }
     for (uint32_t left = lanes; left; left &= left - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        rsv_rgb at = rsv_base_color_at(s->view, p->triangle[k], p->u[k], p->v[k], width[k]);
+        rsv_rgb at = rsv_base_color_at(s->view, p->triangle[k], p->u[k], p->v[k], packet.width[k]);
         to->color[0][k] = at.r, to->color[1][k] = at.g, to->color[2][k] = at.b;
     }
 }
 
-static inline void find_constants(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
-    const float *restrict width, uint32_t lanes, const glossy_lanes *restrict g,
-    glossy_constants *restrict to)
+static inline void find_constants(const rsv_glossy_shading *s, textured_packet packet,
+    uint32_t lanes, const glossy_lanes *restrict g, glossy_constants *restrict to)
 {
     bool alike = all_equal(g->material);
     if (alike) set_constants(s, &s->materials[g->material[0]], 0, LANES, to);
@@ -158,7 +190,7 @@ static inline void find_constants(const rsv_glossy_shading *s, const rsv_ray_pac
         uint32_t same = lanes_of_material(g, material) & left;
         left &= ~same;
         if (s->materials[material].texture_count)
-            find_colors(s, p, width, same, (uint32_t)material, to);
+            find_colors(s, packet, same, (uint32_t)material, to);
     }
 }
 
@@ -260,7 +292,7 @@ static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packe
     gather_normals(s->view, triangle, corner);
     find_normals(p, corner, &g);
     find_rows(s->materials, &g, lobes.value);
-    find_constants(s, p, width, lanes, &g, &constant);
+    find_constants(s, (textured_packet){ p, width, block.ahead }, lanes, &g, &constant);
     show_bases(p, lanes, &constant, &lobes, radiance);
     if (any_positive(lobes.depth)) note_lobes(p, &g, &constant, &lobes, block);
 }

@@ -92,10 +92,24 @@ typedef struct rsv_glossy_shading {
     bool shows_emission;
 } rsv_glossy_shading;
 
+/// Where lanes look up one level of a texture: the texels that their places lie between.
+typedef struct rsv_texel_lanes {
+    int index[4][RSV_PACKET_WIDTH]; ///< of their first codes
+    float weight[4][RSV_PACKET_WIDTH];
+} __attribute__((aligned(64))) rsv_texel_lanes;
+
+/// Texels of the base color of some lanes of a packet, found and asked for before they are read.
+typedef struct rsv_texels_ahead {
+    rsv_texel_lanes level[2];
+    uint32_t lanes; ///< all of one material, a bit each; 0 = none
+    bool both;      ///< whether two levels are read
+} rsv_texels_ahead;
+
 /// A block of a tile's pixels, from `first` on.
 typedef struct rsv_glossy_block {
     rsv_glossy_tile *tile;
     uint32_t first;
+    const rsv_texels_ahead *ahead; ///< of its packet; NULL = nothing is
 } rsv_glossy_block;
 
 /// Sixteen cells of a tile.
@@ -125,6 +139,9 @@ typedef struct rsv_packet_kernels {
     /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
+    /// Finds texels that shade_glossy is going to read, of the first of the materials that lanes are at.
+    void (*find_ahead)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
+        const float *width, uint32_t lanes, rsv_texels_ahead *ahead);
     /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by direction, which
     /// the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
     /// @param width of each lane's footprint, metres

@@ -260,5 +260,6 @@ static void display_row(const rsv_frame_tone *tone, const float (*restrict radia
 #include "smooth_kernels_body.h"
 
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, gather_beam, meet_packet, approach_packet,
-    locate_packet, descend_packet, look_up_packet, shade_glossy_packet, fill_cells, pack_pixels,
-    blend_cells, smooth_cells, light_pixels, display_row, recall_row, leave_smooth_packet };
+    locate_packet, descend_packet, look_up_packet, find_texels_ahead, shade_glossy_packet,
+    fill_cells, pack_pixels, blend_cells, smooth_cells, light_pixels, display_row, recall_row,
+    leave_smooth_packet };

@@ -143,15 +143,9 @@ static inline void find_texels(const float *restrict place, const int *restrict 
     }
 }
 
-/// What a lane adds up: the corners that it lies between.
-typedef struct texel_lanes {
-    int index[4][LANES]; ///< of their first codes
-    float weight[4][LANES];
-} __attribute__((aligned(64))) texel_lanes;
-
 /// Adds the colours of texels, times their weights: lane by lane, a whole texel at a time.
 static inline void add_texels(
-    const rsv_texture *texture, const texel_lanes *restrict from, rsv_float4 *restrict color)
+    const rsv_texture *texture, const rsv_texel_lanes *restrict from, rsv_float4 *restrict color)
 {
     for (int k = 0; k < LANES; k++) {
         rsv_float4 sum = color[k];
@@ -187,7 +181,7 @@ static inline void find_levels(
 
 /// Finds the texels of a level of the pyramid, and asks the memory for them. @param share of the level in the colour
 static inline void find_level(const rsv_texture *texture, const texture_lanes *restrict at,
-    const int *restrict level, const float *restrict share, texel_lanes *restrict to)
+    const int *restrict level, const float *restrict share, rsv_texel_lanes *restrict to)
 {
     level_lanes size;
     _Alignas(64) int column[2][LANES], row[2][LANES];
@@ -223,27 +217,32 @@ static inline bool is_packed_texture(const rsv_scene_view *scene, const rsv_text
     return scene->uv[ref->uv_set] && t->unorm && t->channel_count >= 3 && !t->nearest && !t->covers;
 }
 
-/// The texture's colours. @param color [3][LANES] out
-static inline void look_texture_up(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+/// Finds the texels that lanes read.
+static inline void find_texels_of(const rsv_scene_view *scene, const rsv_texture_ref *ref,
     const int *restrict triangle, const rsv_ray_packet *restrict p, const float *restrict width,
-    float (*restrict color)[LANES])
+    rsv_texels_ahead *restrict to)
 {
     const rsv_texture *texture = &scene->texture[ref->texture];
     _Alignas(64) float finer[LANES];
-    rsv_float4 sum[LANES];
-    texel_lanes texels[2];
     texture_lanes at;
     find_texture_lanes(scene, ref, triangle, p, width, &at);
-    memset(sum, 0, sizeof sum);
     wrap_coordinates(texture->wrap_u, at.u);
     wrap_coordinates(texture->wrap_v, at.v);
     for (int k = 0; k < LANES; k++)
         finer[k] = 1 - at.coarser[k];
-    bool both = any_positive(at.coarser);
-    find_level(texture, &at, at.level[0], finer, &texels[0]);
-    if (both) find_level(texture, &at, at.level[1], at.coarser, &texels[1]);
-    add_texels(texture, &texels[0], sum);
-    if (both) add_texels(texture, &texels[1], sum);
+    to->both = any_positive(at.coarser);
+    find_level(texture, &at, at.level[0], finer, &to->level[0]);
+    if (to->both) find_level(texture, &at, at.level[1], at.coarser, &to->level[1]);
+}
+
+/// The colours of texels. @param color [3][LANES] out
+static inline void read_texels(const rsv_texture *texture, const rsv_texels_ahead *restrict from,
+    float (*restrict color)[LANES])
+{
+    rsv_float4 sum[LANES];
+    memset(sum, 0, sizeof sum);
+    add_texels(texture, &from->level[0], sum);
+    if (from->both) add_texels(texture, &from->level[1], sum);
     for (int k = 0; k < LANES; k++)
         for (int c = 0; c < 3; c++)
             color[c][k] = sum[k][c];

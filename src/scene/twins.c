@@ -384,10 +384,11 @@ static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t o
     if (view->material[view->triangle_material[other]].alpha_cutoff > 0) return false;
     rsv_twin_plane plane = rsv_twin_plane_of(view, other);
     float rounding = rsv_twin_rounding(&plane, view->twins->rounding);
+    rsv_twin_limits limits = rsv_twin_limits_of(&plane, rounding, rounding);
     for (int k = 0; k < 3; k++) {
         float u, v;
         rsv_vec3 corner = view->position[view->triangle[triangle][k]];
-        if (!rsv_twin_covers(&plane, corner, rounding, rounding, &u, &v)) return false;
+        if (!rsv_twin_covers(&plane, &limits, corner, &u, &v)) return false;
     }
     return true;
 }

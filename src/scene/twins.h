@@ -128,25 +128,43 @@ RSV_INLINE rsv_vec3 rsv_twin_point(const rsv_twin_plane *p, float u, float v)
     return v3_mad(p->corner, 1 / p->scale, v3_mad(v3_scale(p->edge1, u), v, p->edge2));
 }
 
-/// Whether the triangle covers the foot of a point in its plane, or misses it by rounding.
-/// @param height, slack metres out of the plane, and beyond the edges @param u, v out: of the foot
-RSV_INLINE bool rsv_twin_covers(
-    const rsv_twin_plane *p, rsv_vec3 point, float height, float slack, float *u, float *v)
+/// How far from a triangle's plane and edges a place may be that is still on it.
+typedef struct rsv_twin_limits {
+    float height;                    ///< in units of the plane's normal
+    float least_u, least_v, least_w; ///< barycentric coordinates
+    float square;                    ///< of the normal's length
+} rsv_twin_limits;
+
+/// @param height, slack metres out of the plane, and beyond the edges
+RSV_INLINE rsv_twin_limits rsv_twin_limits_of(const rsv_twin_plane *p, float height, float slack)
 {
-    rsv_vec3 to = v3_scale(v3_sub(point, p->corner), p->scale);
     float square = v3_dot(p->normal, p->normal), length = sqrtf(square);
-    if (!(fabsf(v3_dot(p->normal, to)) <= height * p->scale * length)) return false;
-    float along_u = v3_dot(v3_cross(to, p->edge2), p->normal) / square;
-    float along_v = v3_dot(v3_cross(p->edge1, to), p->normal) / square;
     // a weight falls by edge / normal for each unit beyond that edge
     float fall = slack * p->scale / length;
-    if (along_u < -fall * v3_length(p->edge2) || along_v < -fall * v3_length(p->edge1) ||
-        1 - along_u - along_v < -fall * v3_length(v3_sub(p->edge2, p->edge1)))
-        return false;
+    rsv_twin_limits limits;
+    limits.height = height * p->scale * length;
+    limits.least_u = -fall * v3_length(p->edge2);
+    limits.least_v = -fall * v3_length(p->edge1);
+    limits.least_w = -fall * v3_length(v3_sub(p->edge2, p->edge1));
+    limits.square = square;
+    return limits;
+}
+
+/// Whether the triangle covers the foot of a point in its plane, or misses it by no more than the limits.
+/// @param u, v out: of the foot
+RSV_INLINE bool rsv_twin_covers(
+    const rsv_twin_plane *p, const rsv_twin_limits *limits, rsv_vec3 point, float *u, float *v)
+{
+    rsv_vec3 to = v3_scale(v3_sub(point, p->corner), p->scale);
+    float along_u = v3_dot(v3_cross(to, p->edge2), p->normal) / limits->square;
+    float along_v = v3_dot(v3_cross(p->edge1, to), p->normal) / limits->square;
+    bool near = fabsf(v3_dot(p->normal, to)) <= limits->height;
+    bool within = (along_u >= limits->least_u) & (along_v >= limits->least_v) &
+                  (1 - along_u - along_v >= limits->least_w);
     along_u = f_min(f_max(along_u, 0), 1);
     *u = along_u;
     *v = f_min(f_max(along_v, 0), 1 - along_u);
-    return true;
+    return near & within;
 }
 
 RSV_INLINE bool rsv_twin_misses(const rsv_twin_node *node, rsv_vec3 point, float reach)
@@ -174,9 +192,9 @@ RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv
     bool opposite = v3_dot(plane.normal, s->normal) < 0;
     float own = rsv_twin_rounding(&plane, twins->rounding), rounding = f_max(own, s->rounding);
     float reach = f_max(f_min(rsv_twin_reach(&plane, own, twins->reach), s->reach), rounding);
+    rsv_twin_limits limits = rsv_twin_limits_of(&plane, opposite ? reach : rounding, rounding);
     float u, v;
-    if (triangle == s->met) return;
-    if (!rsv_twin_covers(&plane, s->point, opposite ? reach : rounding, rounding, &u, &v)) return;
+    if (triangle == s->met || !rsv_twin_covers(&plane, &limits, s->point, &u, &v)) return;
     if (rsv_is_cut_out(scene, triangle, u, v)) return;
     s->found++;
     s->opposite = s->opposite || opposite;

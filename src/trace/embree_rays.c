@@ -2,7 +2,7 @@
 #include "../scene/twins.h"
 #include "embree_internal.h"
 #include "near.h"
-#include "packet.h"
+#include "packet_settle.h"
 
 #include <string.h>
 

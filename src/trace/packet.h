@@ -3,7 +3,6 @@
 #define RSV_PACKET_H
 
 #include "../core/vec.h"
-#include "../scene/twins.h"
 #include "resolvent/trace.h"
 
 /// Puts a ray into a lane; what the packet knows of hits stays as it is.
@@ -39,26 +38,6 @@ RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
     rsv_vec3 origin = v3(p->origin_x[lane], p->origin_y[lane], p->origin_z[lane]);
     rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
     return v3_mad(origin, p->t_max[lane], direction);
-}
-
-/// See rsv_twins_settle. @param scene with twins
-RSV_INLINE void rsv_packet_settle(const rsv_scene_view *scene, rsv_ray_packet *packet)
-{
-    for (int k = 0; k < 16; k++) {
-        uint32_t met = packet->triangle[k];
-        if (met == RSV_NONE || !scene->twins->flags[met]) continue;
-        rsv_hit hit = { met, packet->t_max[k], packet->u[k], packet->v[k] };
-        rsv_twins_settle(scene,
-            v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]), &hit);
-        if (hit.triangle == met) continue;
-        rsv_vec3 normal = rsv_twin_plane_of(scene, hit.triangle).normal;
-        packet->normal_x[k] = normal.x;
-        packet->normal_y[k] = normal.y;
-        packet->normal_z[k] = normal.z;
-        packet->triangle[k] = hit.triangle;
-        packet->u[k] = hit.u;
-        packet->v[k] = hit.v;
-    }
 }
 
 #endif

@@ -66,6 +66,73 @@ static void check_rays(copies kind, const world *plain, const world *w, bool out
     rsv_bvh_destroy(&bvh);
 }
 
+/// A place on a triangle, some at its very edge, and a direction.
+static rsv_hit random_place(uint32_t k, uint32_t triangle, rsv_vec3 *direction)
+{
+    float x[4];
+    for (uint32_t d = 0; d < 4; d++)
+        x[d] = rsv_unit_float(rsv_hash2(31 + d, k));
+    if (x[0] + x[1] > 1) x[0] = 1 - x[0], x[1] = 1 - x[1];
+    *direction = rsv_square_to_sphere(x[2], x[3]);
+    return (rsv_hit){ triangle, 1, x[0], k % 8 ? x[1] : 1 - x[0] };
+}
+
+/// What is known of single copies is what a search finds.
+static void knows_the_only_copy_of_a_face(void **state)
+{
+    (void)state;
+    for (copies kind = AFTER; kind < KINDS; kind++) {
+        world *w = create_copied_room(NULL, kind);
+        const rsv_scene_view *view = rsv_scene_get_view(w->scene);
+        rsv_scene_view searched = *view;
+        rsv_twins twins = *view->twins;
+        uint32_t known = 0, count = (uint32_t)view->triangle_count;
+        twins.sole = NULL;
+        searched.twins = &twins;
+        for (uint32_t k = 0; k < 64 * count; k++) {
+            rsv_vec3 direction;
+            rsv_hit hit = random_place(k, k % count, &direction), expected = hit;
+            if (!twins.flags[hit.triangle]) continue;
+            bool opposite = rsv_twins_search(&searched, direction, &expected);
+            assert_int_equal(rsv_twins_search(view, direction, &hit), opposite);
+            assert_memory_equal(&hit, &expected, sizeof hit);
+        }
+        for (uint32_t t = 0; t < count; t++)
+            known += twins.flags[t] && view->twins->sole[t] != RSV_NONE;
+        if (kind == AFTER || kind == SHARED || kind == TWO_SIDED) assert_true(known > 0);
+        world_end(w);
+    }
+}
+
+/// Packets, all of whose rays meet few triangles, see what rays see one by one.
+static void packets_see_what_single_rays_see(void **state)
+{
+    (void)state;
+    for (copies kind = AFTER; kind < KINDS; kind++) {
+        world *w = create_copied_room(NULL, kind);
+        for (uint32_t first = 0; first < 4096; first += 16) {
+            rsv_ray_packet packet = { 0 };
+            rsv_ray ray[16], lead = random_ray(first, false);
+            memset(packet.mask, 0xff, sizeof packet.mask);
+            for (uint32_t k = 0; k < 16; k++) {
+                ray[k] = lead;
+                ray[k].direction = v3_normalize(
+                    v3_mad(lead.direction, 0.1f, random_ray(first + k, false).direction));
+                rsv_packet_set_ray(&packet, k, ray[k]);
+            }
+            rsv_tracer_closest_packet(w->tracer, &packet, true);
+            for (uint32_t k = 0; k < 16; k++) {
+                rsv_hit hit;
+                assert_true(rsv_tracer_closest(w->tracer, &ray[k], &hit));
+                assert_int_equal(packet.triangle[k], hit.triangle);
+                assert_close(packet.u[k], hit.u, 1e-4);
+                assert_close(packet.v[k], hit.v, 1e-4);
+            }
+        }
+        world_end(w);
+    }
+}
+
 static void shows_the_side_that_faces_the_ray(void **state)
 {
     (void)state;
@@ -699,6 +766,8 @@ static void says_so_where_it_had_to_guess(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(knows_the_only_copy_of_a_face),
+        cmocka_unit_test(packets_see_what_single_rays_see),
         cmocka_unit_test(shows_the_side_that_faces_the_ray),
         cmocka_unit_test(light_is_that_of_single_walls),
         cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
