@@ -95,7 +95,7 @@ static void place_twins(rsv_gpu_scene *s, rsv_gpu_block *b)
     const rsv_twins *host = s->host->twins;
     if (!host) return;
     s->twins = *host;
-    s->twins.sole = NULL;
+    s->twins.first_rival = s->twins.rival = NULL;
     s->twins.flags = rsv_gpu_place(b, s->host->triangle_count, sizeof *host->flags);
     s->twins.node = rsv_gpu_place(b, (size_t)host->node_count + 1, sizeof *host->node);
     s->twins.face = rsv_gpu_place(b, host->face_count, sizeof *host->face);

@@ -30,16 +30,23 @@ rsv_status rsv_scene_copy_twins(rsv_scene *variant)
     own->tree.face =
         copy_bytes(context, from->tree.face, from->tree.face_count * sizeof *from->tree.face);
     own->flags = copy_bytes(context, from->flags, variant->triangle_count);
-    own->sole = from->sole
-                    ? copy_bytes(context, from->sole, variant->triangle_count * sizeof *own->sole)
-                    : NULL;
+    own->first_rival = own->rival = NULL;
+    if (from->first_rival) {
+        size_t count = variant->triangle_count;
+        own->first_rival =
+            copy_bytes(context, from->first_rival, (count + 1) * sizeof *own->first_rival);
+        own->rival =
+            copy_bytes(context, from->rival, (from->first_rival[count] + 1) * sizeof *own->rival);
+    }
     own->twins.node = own->tree.node;
     own->twins.face = own->tree.face;
     own->twins.flags = own->flags;
-    own->twins.sole = own->sole;
+    own->twins.first_rival = own->first_rival;
+    own->twins.rival = own->rival;
     variant->twins = own;
     variant->view.twins = &own->twins;
-    bool complete = own->tree.node && own->tree.face && own->flags && (own->sole || !from->sole);
+    bool listed = !from->first_rival || (own->first_rival && own->rival);
+    bool complete = own->tree.node && own->tree.face && own->flags && listed;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
@@ -49,7 +56,8 @@ void rsv_scene_release_twins(rsv_scene *scene)
     rsv_twin_tree_destroy(&scene->twins->tree);
     rsv_twin_tree_destroy(&scene->twins->whole);
     rsv_free(scene->context, scene->twins->flags);
-    rsv_free(scene->context, scene->twins->sole);
+    rsv_free(scene->context, scene->twins->first_rival);
+    rsv_free(scene->context, scene->twins->rival);
     rsv_free(scene->context, scene->twins);
     scene->twins = NULL;
 }
@@ -173,20 +181,22 @@ static const rsv_vec3 *home_of(const rsv_scene *scene)
     return scene->position;
 }
 
-/// What is known of single faces does not hold once triangles have moved.
-static void forget_sole(rsv_scene *scene)
+/// The lists of rivals do not hold once triangles have moved.
+static void forget_rivals(rsv_scene *scene)
 {
-    if (!scene->twins) return;
-    rsv_free(scene->context, scene->twins->sole);
-    scene->twins->sole = NULL;
-    scene->twins->twins.sole = NULL;
+    rsv_twins_owner *owner = scene->twins;
+    if (!owner) return;
+    rsv_free(scene->context, owner->first_rival);
+    rsv_free(scene->context, owner->rival);
+    owner->first_rival = owner->rival = NULL;
+    owner->twins.first_rival = owner->twins.rival = NULL;
 }
 
 rsv_status rsv_scene_move_twins(rsv_scene *scene)
 {
     rsv_status status;
     if (!scene->owns_positions) return RSV_OK;
-    forget_sole(scene);
+    forget_rivals(scene);
     if (!scene->twins || !scene->twins->whole.node) RSV_TRY(prepare(scene));
     rsv_twins_owner *owner = scene->twins;
     rsv_twin_tree_fit(&scene->view, &owner->whole);

@@ -541,7 +541,7 @@ static rsv_status keep(rsv_scene *scene, const finder *f)
         .rounding = f->rounding,
         .extent = f->apart ? RSV_TWIN_CLEAR * 0x1p20f : 0 };
     RSV_TRY(rsv_twins_plant(scene));
-    RSV_TRY(rsv_twins_find_sole(scene));
+    RSV_TRY(rsv_twins_find_rivals(scene));
     RSV_TRY(find_hidden(scene, owner, &guessed));
     warn_of_guess(scene, guessed);
 cleanup:

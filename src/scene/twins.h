@@ -35,6 +35,8 @@
 #define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
 /// Places are the same to this part of their largest coordinate.
 #define RSV_TWIN_ROUNDING 0x1p-21f
+/// Other faces that are listed for a triangle at most: where there are more, hits look all around.
+#define RSV_TWIN_RIVALS 4
 /// Faces at one place that are looked at: more are a heap.
 #define RSV_TWIN_MOST 256
 /// Hits whose barycentric coordinates are all larger lie well inside their triangle.
@@ -51,12 +53,12 @@ typedef struct rsv_twin_node {
 
 /// Plain arrays, which can be copied to any memory.
 typedef struct rsv_twins {
-    const uint8_t *flags;      ///< [triangle_count]
-    const rsv_twin_node *node; ///< [node_count + 1], the last without a box
-    const uint32_t *face;      ///< [face_count] triangles with a flag that are not copies
-    const uint32_t *
-        sole; ///< [triangle_count] the only face at places well inside a triangle; itself = none is;
-              ///< RSV_NONE = several may be. NULL = not known: they are searched for
+    const uint8_t *flags;        ///< [triangle_count]
+    const rsv_twin_node *node;   ///< [node_count + 1], the last without a box
+    const uint32_t *face;        ///< [face_count] triangles with a flag that are not copies
+    const uint32_t *first_rival; ///< [triangle_count + 1] in `rival`; NULL = hits look all around
+    const uint32_t
+        *rival; ///< other faces that hits well inside a triangle may be on; RSV_NONE = too many
     uint32_t node_count, face_count;
     float reach;    ///< metres that opposite faces at the same place may lie apart, of any size
     float rounding; ///< metres within which places are the same, likewise
@@ -206,11 +208,16 @@ RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv
     s->hit->v = v;
 }
 
-/// The one face to look at for a hit; the hit's own triangle = none. RSV_NONE = all around must be looked at.
-RSV_INLINE uint32_t rsv_twin_sole(const rsv_twins *twins, const rsv_hit *hit)
+/// Other faces that a hit may be on. @param rival out @return how many; RSV_NONE = it must look all around
+RSV_INLINE uint32_t rsv_twin_rivals(
+    const rsv_twins *twins, const rsv_hit *hit, const uint32_t **rival)
 {
     float least = f_min(f_min(hit->u, hit->v), 1 - hit->u - hit->v);
-    return twins->sole && least > RSV_TWIN_INSET ? twins->sole[hit->triangle] : RSV_NONE;
+    if (!twins->first_rival || !(least > RSV_TWIN_INSET)) return RSV_NONE;
+    uint32_t first = twins->first_rival[hit->triangle];
+    uint32_t count = twins->first_rival[hit->triangle + 1] - first;
+    *rival = twins->rival + first;
+    return count == 1 && **rival == RSV_NONE ? RSV_NONE : count;
 }
 
 /// Looks through the faces at the place of a hit. @param hit in: what was met; out: what is seen
@@ -231,8 +238,11 @@ RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction
     s.opposite = false;
     s.hit = hit;
     float reach = twins->reach + twins->rounding;
-    uint32_t sole = rsv_twin_sole(twins, hit), count = sole == RSV_NONE ? twins->node_count : 0;
-    if (sole != RSV_NONE && sole != s.met) rsv_twin_try(scene, sole, &s);
+    const uint32_t *rival = NULL;
+    uint32_t rivals = rsv_twin_rivals(twins, hit, &rival);
+    uint32_t count = rivals == RSV_NONE ? twins->node_count : 0;
+    for (uint32_t k = 0; rivals != RSV_NONE && k < rivals; k++)
+        rsv_twin_try(scene, rival[k], &s);
     for (uint32_t n = 0; n < count && s.found < RSV_TWIN_MOST;) {
         const rsv_twin_node *node = &twins->node[n];
         bool misses = rsv_twin_misses(node, s.point, reach);

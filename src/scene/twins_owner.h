@@ -11,9 +11,9 @@
 typedef struct rsv_twins_owner {
     rsv_twins twins; ///< the view's, once there are any
     rsv_twin_tree tree;
-    uint8_t *flags;      ///< [triangle_count]
-    uint32_t *sole;      ///< [triangle_count] see rsv_twins; NULL once triangles have moved
-    rsv_twin_tree whole; ///< of a variant: all triangles, from the first move on
+    uint8_t *flags;                ///< [triangle_count]
+    uint32_t *first_rival, *rival; ///< see rsv_twins; NULL once triangles have moved
+    rsv_twin_tree whole;           ///< of a variant: all triangles, from the first move on
 } rsv_twins_owner;
 
 /// How far faces in the same place may lie apart at most, in this scene. @param reach, rounding out: see rsv_twins
@@ -26,8 +26,8 @@ uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool oppo
 /// @param owner the scene's, with flags
 rsv_status rsv_twins_plant(rsv_scene *scene);
 
-/// Finds the triangles at whose places there is one other face alone, so that hits need no search.
+/// Lists the faces that share the inner part of a triangle with it, so that few hits need a search.
 /// @param scene with twins in its view
-rsv_status rsv_twins_find_sole(rsv_scene *scene);
+rsv_status rsv_twins_find_rivals(rsv_scene *scene);
 
 #endif

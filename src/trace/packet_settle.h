@@ -23,87 +23,97 @@ RSV_INLINE void rsv_packet_turn_to(
     p->v[lane] = v;
 }
 
-/// Lanes one by one, a bit each.
-RSV_INLINE void rsv_packet_search(const rsv_scene_view *scene, rsv_ray_packet *p, uint32_t lanes)
+/// Looks through all faces at the place of a lane's hit.
+RSV_INLINE void rsv_packet_search(const rsv_scene_view *scene, rsv_ray_packet *p, uint32_t lane)
 {
-    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++) {
-        rsv_hit hit = { p->triangle[k], p->t_max[k], p->u[k], p->v[k] };
-        if (!(lanes >> k & 1)) continue;
-        rsv_twins_search(scene, rsv_packet_direction(p, k), &hit);
-        if (hit.triangle == p->triangle[k]) continue;
-        rsv_vec3 normal = rsv_twin_plane_of(scene, hit.triangle).normal;
-        rsv_packet_turn_to(p, k, hit.triangle, normal, hit.u, hit.v);
-    }
+    rsv_hit hit = rsv_packet_hit(p, lane);
+    rsv_twins_search(scene, rsv_packet_direction(p, lane), &hit);
+    if (hit.triangle == p->triangle[lane]) return;
+    rsv_vec3 normal = rsv_twin_plane_of(scene, hit.triangle).normal;
+    rsv_packet_turn_to(p, lane, hit.triangle, normal, hit.u, hit.v);
 }
 
-/// Lanes that look along a normal, a bit each: those that meet the back of its face.
-RSV_INLINE uint32_t rsv_lanes_along(const rsv_ray_packet *p, rsv_vec3 normal)
-{
-    uint32_t lanes = 0;
-    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++)
-        lanes |= (v3_dot(normal, rsv_packet_direction(p, k)) > 0 ? 1u : 0u) << k;
-    return lanes;
-}
+/// A face that may be seen in place of another one.
+typedef struct rsv_twin_rival {
+    uint32_t triangle, rank[2]; ///< by whether rays meet its back
+    rsv_twin_plane plane;
+    rsv_twin_limits limits;
+} rsv_twin_rival;
 
-/// Lanes that rsv_twin_sole holds for.
-RSV_INLINE uint32_t rsv_lanes_inside(const rsv_ray_packet *p)
-{
-    uint32_t lanes = 0;
-    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++) {
-        float least = f_min(f_min(p->u[k], p->v[k]), 1 - p->u[k] - p->v[k]);
-        lanes |= (least > RSV_TWIN_INSET ? 1u : 0u) << k;
-    }
-    return lanes;
-}
+/// A triangle that lanes met, and what may be seen well inside it.
+typedef struct rsv_twin_group {
+    uint32_t met, rank[2];
+    rsv_twin_plane plane;
+    uint32_t count; ///< of rivals; RSV_NONE = hits must look all around
+    rsv_twin_rival rival[RSV_TWIN_RIVALS];
+} rsv_twin_group;
 
-/// A triangle that was met, and the one face that may be seen in its place.
-typedef struct rsv_twin_pair {
-    uint32_t met, sole;
-    rsv_twin_plane plane, sole_plane; ///< theirs
-} rsv_twin_pair;
-
-/// Turns lanes that the sole face covers to it.
-RSV_INLINE void rsv_packet_cover(
-    const rsv_scene_view *scene, const rsv_twin_pair *pair, rsv_ray_packet *p, uint32_t lanes)
+RSV_INLINE void rsv_twin_rival_of(
+    const rsv_scene_view *scene, const rsv_twin_plane *a, uint32_t triangle, rsv_twin_rival *to)
 {
     const rsv_twins *twins = scene->twins;
-    const rsv_twin_plane *a = &pair->plane, *b = &pair->sole_plane;
+    rsv_twin_plane b = rsv_twin_plane_of(scene, triangle);
     float own_a = rsv_twin_rounding(a, twins->rounding);
-    float own_b = rsv_twin_rounding(b, twins->rounding), rounding = f_max(own_a, own_b);
-    float reach =
-        f_max(f_min(rsv_twin_reach(b, own_b, twins->reach), rsv_twin_reach(a, own_a, twins->reach)),
-            rounding);
-    bool opposite = v3_dot(b->normal, a->normal) < 0;
-    rsv_twin_limits limits = rsv_twin_limits_of(b, opposite ? reach : rounding, rounding);
-    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++) {
-        float u, v;
-        rsv_vec3 point = rsv_twin_point(a, p->u[k], p->v[k]);
-        if ((lanes >> k & 1) && rsv_twin_covers(b, &limits, point, &u, &v))
-            rsv_packet_turn_to(p, k, pair->sole, b->normal, u, v);
+    float own_b = rsv_twin_rounding(&b, twins->rounding);
+    float reach_a = rsv_twin_reach(a, own_a, twins->reach);
+    float reach_b = rsv_twin_reach(&b, own_b, twins->reach);
+    float rounding = f_max(own_a, own_b), reach = f_max(f_min(reach_b, reach_a), rounding);
+    bool opposite = v3_dot(b.normal, a->normal) < 0;
+    to->triangle = triangle;
+    to->rank[0] = rsv_twin_rank(scene, triangle, false);
+    to->rank[1] = rsv_twin_rank(scene, triangle, true);
+    to->plane = b;
+    to->limits = rsv_twin_limits_of(&b, opposite ? reach : rounding, rounding);
+}
+
+RSV_INLINE void rsv_twin_group_of(const rsv_scene_view *scene, uint32_t met, rsv_twin_group *g)
+{
+    const rsv_hit inside = { met, 0, 1 / 3.0f, 1 / 3.0f };
+    const uint32_t *rival = NULL;
+    g->met = met;
+    g->rank[0] = rsv_twin_rank(scene, met, false);
+    g->rank[1] = rsv_twin_rank(scene, met, true);
+    g->plane = rsv_twin_plane_of(scene, met);
+    g->count = rsv_twin_rivals(scene->twins, &inside, &rival);
+    for (uint32_t k = 0; g->count != RSV_NONE && k < g->count; k++) {
+        uint32_t material = scene->triangle_material[rival[k]];
+        if (scene->material[material].alpha_cutoff > 0)
+            g->count = RSV_NONE; // it may be cut out where it is met
+        else
+            rsv_twin_rival_of(scene, &g->plane, rival[k], &g->rival[k]);
     }
 }
 
-/// Lanes that met one side of one triangle.
-RSV_INLINE void rsv_packet_settle_alike(
-    const rsv_scene_view *scene, rsv_twin_pair *pair, bool back, rsv_ray_packet *p, uint32_t lanes)
+/// rsv_twins_search for a lane that is well inside the triangle.
+RSV_INLINE void rsv_packet_compare(
+    const rsv_twin_group *g, bool back, rsv_ray_packet *p, uint32_t lane)
 {
-    const rsv_twins *twins = scene->twins;
-    uint32_t met = pair->met, sole = twins->sole ? twins->sole[met] : RSV_NONE;
-    uint32_t inside = sole == RSV_NONE ? 0 : lanes & rsv_lanes_inside(p), sole_backs;
-    rsv_packet_search(scene, p, lanes & ~inside);
-    if (!inside || sole == met) return;
-    pair->sole = sole;
-    pair->sole_plane = rsv_twin_plane_of(scene, sole);
-    sole_backs = rsv_lanes_along(p, pair->sole_plane.normal) & inside;
-    bool sole_back = sole_backs == inside;
-    uint32_t material = scene->triangle_material[sole];
-    if (scene->material[material].alpha_cutoff > 0 || (sole_backs && !sole_back)) {
-        rsv_packet_search(scene, p, inside);
-        return;
+    rsv_vec3 direction = rsv_packet_direction(p, lane);
+    rsv_vec3 point = rsv_twin_point(&g->plane, p->u[lane], p->v[lane]);
+    uint32_t seen = g->met, most = g->rank[back];
+    for (uint32_t k = 0; k < g->count; k++) {
+        float u, v;
+        const rsv_twin_rival *r = &g->rival[k];
+        uint32_t rank = r->rank[v3_dot(r->plane.normal, direction) > 0];
+        if (rank < most || (rank == most && r->triangle < seen)) continue;
+        if (!rsv_twin_covers(&r->plane, &r->limits, point, &u, &v)) continue;
+        seen = r->triangle, most = rank;
+        rsv_packet_turn_to(p, lane, seen, r->plane.normal, u, v);
     }
-    uint32_t own = rsv_twin_rank(scene, met, back);
-    uint32_t other = rsv_twin_rank(scene, sole, sole_back);
-    if (other > own || (other == own && sole > met)) rsv_packet_cover(scene, pair, p, inside);
+}
+
+/// rsv_twins_settle for a lane that met the triangle.
+RSV_INLINE void rsv_packet_settle_lane(
+    const rsv_scene_view *scene, const rsv_twin_group *g, rsv_ray_packet *p, uint32_t lane)
+{
+    bool back = v3_dot(g->plane.normal, rsv_packet_direction(p, lane)) > 0;
+    float least = f_min(f_min(p->u[lane], p->v[lane]), 1 - p->u[lane] - p->v[lane]);
+    uint8_t over = scene->twins->flags[g->met];
+    if (!(over & (back ? RSV_TWIN_OVER_BACK : RSV_TWIN_OVER_FRONT))) return;
+    if (g->count == RSV_NONE || !(least > RSV_TWIN_INSET))
+        rsv_packet_search(scene, p, lane);
+    else
+        rsv_packet_compare(g, back, p, lane);
 }
 
 /// Lanes that met faces with copies, a bit each.
@@ -120,21 +130,16 @@ RSV_INLINE uint32_t rsv_lanes_with_twins(const rsv_scene_view *scene, const rsv_
 /// See rsv_twins_settle. @param scene with twins
 RSV_INLINE void rsv_packet_settle(const rsv_scene_view *scene, rsv_ray_packet *p)
 {
-    for (uint32_t left = rsv_lanes_with_twins(scene, p); left;) {
-        uint32_t lanes = 0;
-        rsv_twin_pair pair;
-        pair.met = p->triangle[__builtin_ctz(left)];
-        pair.plane = rsv_twin_plane_of(scene, pair.met);
-        for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++)
-            lanes |= (p->triangle[k] == pair.met ? 1u : 0u) << k;
-        lanes &= left;
-        left &= ~lanes;
-        uint8_t over = scene->twins->flags[pair.met];
-        uint32_t backs = rsv_lanes_along(p, pair.plane.normal) & lanes, fronts = lanes & ~backs;
-        if (fronts && (over & RSV_TWIN_OVER_FRONT))
-            rsv_packet_settle_alike(scene, &pair, false, p, fronts);
-        if (backs && (over & RSV_TWIN_OVER_BACK))
-            rsv_packet_settle_alike(scene, &pair, true, p, backs);
+    for (uint32_t left = rsv_lanes_with_twins(scene, p), k; left;) {
+        uint32_t lanes = left, met = p->triangle[__builtin_ctz(left)];
+        rsv_twin_group group;
+        rsv_twin_group_of(scene, met, &group);
+        for (; lanes; lanes &= lanes - 1) {
+            k = (uint32_t)__builtin_ctz(lanes);
+            if (p->triangle[k] != met) continue;
+            left &= ~(1u << k);
+            rsv_packet_settle_lane(scene, &group, p, k);
+        }
     }
 }
 

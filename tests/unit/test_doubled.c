@@ -77,8 +77,8 @@ static rsv_hit random_place(uint32_t k, uint32_t triangle, rsv_vec3 *direction)
     return (rsv_hit){ triangle, 1, x[0], k % 8 ? x[1] : 1 - x[0] };
 }
 
-/// What is known of single copies is what a search finds.
-static void knows_the_only_copy_of_a_face(void **state)
+/// The copies that are listed for a face are those that a search finds.
+static void lists_the_copies_of_faces(void **state)
 {
     (void)state;
     for (copies kind = AFTER; kind < KINDS; kind++) {
@@ -87,7 +87,7 @@ static void knows_the_only_copy_of_a_face(void **state)
         rsv_scene_view searched = *view;
         rsv_twins twins = *view->twins;
         uint32_t known = 0, count = (uint32_t)view->triangle_count;
-        twins.sole = NULL;
+        twins.first_rival = twins.rival = NULL;
         searched.twins = &twins;
         for (uint32_t k = 0; k < 64 * count; k++) {
             rsv_vec3 direction;
@@ -98,8 +98,9 @@ static void knows_the_only_copy_of_a_face(void **state)
             assert_memory_equal(&hit, &expected, sizeof hit);
         }
         for (uint32_t t = 0; t < count; t++)
-            known += twins.flags[t] && view->twins->sole[t] != RSV_NONE;
-        if (kind == AFTER || kind == SHARED || kind == TWO_SIDED) assert_true(known > 0);
+            known += view->twins->first_rival[t + 1] > view->twins->first_rival[t] &&
+                     view->twins->rival[view->twins->first_rival[t]] != RSV_NONE;
+        assert_true(known > 0);
         world_end(w);
     }
 }
@@ -766,7 +767,7 @@ static void says_so_where_it_had_to_guess(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knows_the_only_copy_of_a_face),
+        cmocka_unit_test(lists_the_copies_of_faces),
         cmocka_unit_test(packets_see_what_single_rays_see),
         cmocka_unit_test(shows_the_side_that_faces_the_ray),
         cmocka_unit_test(light_is_that_of_single_walls),

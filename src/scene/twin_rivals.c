@@ -1,7 +1,9 @@
-/// Triangles at whose places there is one other face alone.
+/// Faces that share the inner part of a triangle with it.
 #include "../core/parallel.h"
 #include "scene.h"
 #include "twins_owner.h"
+
+#include <string.h>
 
 /// Slacks are taken so many times as wide as hits take them: what lies close to a limit counts as being there.
 #define WIDER 2.0
@@ -85,50 +87,65 @@ static bool is_clear_of(const rsv_scene_view *view, const inner_part *a, uint32_
            are_below(w, -fall * v3_length(v3_sub(p.edge2, p.edge1)));
 }
 
-/// The only face that hits well inside a triangle may be on, the triangle itself if there is none; RSV_NONE = several.
-static uint32_t find_sole(const rsv_scene_view *view, uint32_t triangle)
+/// @param rival [RSV_TWIN_RIVALS] out @return how many; of too many, the first is RSV_NONE
+static uint32_t find_rivals(const rsv_scene_view *view, uint32_t triangle, uint32_t *rival)
 {
     const rsv_twins *twins = view->twins;
+    float reach = (float)WIDER * (twins->reach + twins->rounding);
     inner_part a = inner_part_of(view, triangle);
-    float reach = WIDER * (twins->reach + twins->rounding);
-    uint32_t sole = triangle, looks = 0;
-    if (!(v3_length(a.normal) > LEAST_NORMAL)) return RSV_NONE;
-    for (uint32_t n = 0; n < twins->node_count;) {
+    uint32_t count = 0, looks = 0;
+    bool lists = v3_length(a.normal) > LEAST_NORMAL;
+    for (uint32_t n = 0; lists && n < twins->node_count;) {
         const rsv_twin_node *node = &twins->node[n];
         bool missed = misses(node, &a, reach);
         uint32_t end = !missed && node->next == n + 1 ? node[1].first : node->first;
-        for (uint32_t k = node->first; k < end; k++) {
+        for (uint32_t k = node->first; lists && k < end; k++) {
             uint32_t face = twins->face[k];
-            if (++looks > MOST_LOOKS) return RSV_NONE;
-            if (face == triangle || is_clear_of(view, &a, face)) continue;
-            if (sole != triangle) return RSV_NONE;
-            sole = face;
+            bool meets = face != triangle && !is_clear_of(view, &a, face);
+            lists = ++looks <= MOST_LOOKS && !(meets && count == RSV_TWIN_RIVALS);
+            if (meets && lists) rival[count++] = face;
         }
         n = missed ? node->next : n + 1;
     }
-    return sole;
+    if (lists) return count;
+    rival[0] = RSV_NONE;
+    return 1;
 }
 
-typedef struct sole_job {
+typedef struct rival_job {
     const rsv_scene_view *view;
-    uint32_t *sole;
-} sole_job;
+    uint32_t *first; ///< [triangle_count + 1] counts, then their sums
+    uint32_t *rival; ///< NULL = they are counted
+} rival_job;
 
-static void find_all(void *data, rsv_span span)
+static void list_all(void *data, rsv_span span)
 {
-    const sole_job *job = data;
-    for (uint32_t t = (uint32_t)span.begin; t < span.end; t++)
-        job->sole[t] = job->view->twins->flags[t] ? find_sole(job->view, t) : t;
+    const rival_job *job = data;
+    for (uint32_t t = (uint32_t)span.begin; t < span.end; t++) {
+        uint32_t found[RSV_TWIN_RIVALS] = { 0 };
+        uint32_t count = job->view->twins->flags[t] ? find_rivals(job->view, t, found) : 0;
+        if (job->rival)
+            memcpy(job->rival + job->first[t], found, count * sizeof *found);
+        else
+            job->first[t + 1] = count;
+    }
 }
 
-rsv_status rsv_twins_find_sole(rsv_scene *scene)
+rsv_status rsv_twins_find_rivals(rsv_scene *scene)
 {
+    rsv_context *context = scene->context;
     rsv_twins_owner *owner = scene->twins;
-    sole_job job = { &scene->view,
-        rsv_reserve(scene->context, scene->triangle_count, sizeof *owner->sole) };
-    if (!job.sole) return RSV_ERROR_MEMORY;
-    rsv_parallel_for(scene->context, scene->triangle_count, 256, find_all, &job);
-    owner->sole = job.sole;
-    owner->twins.sole = job.sole;
+    size_t count = scene->triangle_count;
+    owner->first_rival = rsv_alloc(context, count + 1, sizeof *owner->first_rival);
+    if (!owner->first_rival) return RSV_ERROR_MEMORY;
+    rival_job job = { &scene->view, owner->first_rival, NULL };
+    rsv_parallel_for(context, count, 256, list_all, &job);
+    for (size_t t = 0; t < count; t++)
+        job.first[t + 1] += job.first[t];
+    owner->rival = job.rival = rsv_alloc(context, (size_t)job.first[count] + 1, sizeof *job.rival);
+    if (!job.rival) return RSV_ERROR_MEMORY;
+    rsv_parallel_for(context, count, 256, list_all, &job);
+    owner->twins.first_rival = owner->first_rival;
+    owner->twins.rival = owner->rival;
     return RSV_OK;
 }
