@@ -203,7 +203,8 @@ static rsv_status write_textures(rsv_tensor_file *file, const rsv_scene_view *vi
     rsv_texture_desc *desc = rsv_alloc(file->context, view->texture_count, sizeof *desc);
     if (!desc) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < view->texture_count; k++)
-        desc[k] = (rsv_texture_desc){ .name = view->texture[k].name,
+        desc[k] = (rsv_texture_desc){ .size = sizeof(rsv_texture_desc),
+            .name = view->texture[k].name,
             .wrap_u = view->texture[k].wrap_u,
             .wrap_v = view->texture[k].wrap_v,
             .nearest = view->texture[k].nearest };

@@ -267,7 +267,7 @@ static double mean_below(const rsv_light *light, float part)
     rsv_probe probe[SIDE * SIDE];
     rsv_probe_reading reading[SIDE * SIDE];
     rsv_vec3 low = view->bounds_min, size = v3_sub(view->bounds_max, low);
-    const rsv_probe_desc desc = { .mode = RSV_PROBE_LOOKUP, .samples = 16 };
+    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 16 };
     double sum = 0;
     for (int k = 0; k < SIDE * SIDE; k++) {
         float x = ((float)(k % SIDE) + 0.5f) / SIDE, z = ((float)(k / SIDE) + 0.5f) / SIDE;

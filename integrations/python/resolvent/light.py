@@ -415,7 +415,7 @@ class _RelightDesc:
 
     def __init__(self, lights: Mapping[str, Rgb], albedo: Mapping[str, Rgb], move: Mapping[str, Vec3],
                  env_rotation: Optional[float]):
-        self.struct = ffi.new("rsv_relight_desc *")
+        self.struct = ffi.new("rsv_relight_desc *", lib.rsv_default_relight_desc())
         self._keep: List[Any] = []
         self._set("light", "rsv_light_scale", self._items("lights", lights, rgb))
         self._set("albedo", "rsv_albedo_change", self._items("albedo", albedo, rgb))
