@@ -25,7 +25,7 @@ static int set_up(void **state)
     solve.element_target = 60;
     solve.rays_per_element = 64;
     assert_int_equal(rsv_context_create(NULL, &f->context), RSV_OK);
-    assert_int_equal(rsv_scene_builtin(f->context, "furnace", &f->scene), RSV_OK);
+    assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &f->scene), RSV_OK);
     assert_int_equal(rsv_light_create(f->scene, &solve, &f->light), RSV_OK);
     *state = f;
     return 0;
