@@ -149,7 +149,7 @@ typedef enum rsv_error_stop {
 /// confirm it. (The bound would ask for several times the accuracy, and so for tens of times the work.) What is refined is
 /// what errs most: elements and rays of the operator, or those of direct light. Every round is logged; so is the budget
 /// that stopped them.
-/// @param start of the first round, its goal that of all; NULL = draft
+/// @param start of the first round, its goal that of all; NULL = draft @param target NULL = an error of 5 %
 /// Rounds end early where two in a row have not lowered the error.
 /// @param light the one that reached the target; else that of the lowest error, whatever stopped the rounds
 /// @param certificate its certificate

@@ -52,6 +52,10 @@ typedef enum rsv_log_level { RSV_LOG_INFO, RSV_LOG_WARNING } rsv_log_level;
 /// destroyed before it.
 typedef struct rsv_context rsv_context;
 
+// Descriptors, here and in the other headers, hold the options of a function. Each begins with its size, so that later versions
+// of the library can add fields. rsv_default_..._desc() sets it; where an initialiser does instead, it is sizeof the descriptor.
+// Functions take NULL for defaults, and refuse a descriptor without a size (RSV_ERROR_ARGUMENT). See docs/api.md, Versions.
+
 /// How a context behaves. Start from rsv_default_context_desc().
 typedef struct rsv_context_desc {
     size_t size; ///< of this structure; rsv_default_context_desc() sets it

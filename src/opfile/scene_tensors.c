@@ -363,6 +363,7 @@ static rsv_status read_texels(scene_reader *r, size_t index)
     if (!sound) return rsv_tensor_fail(r->file, name, "is no texture");
     rsv_texture_parts *parts = &r->texture[index];
     parts->desc = r->desc[index];
+    parts->desc.size = sizeof parts->desc;
     parts->desc.height = (uint32_t)tensor->shape[0];
     parts->desc.width = (uint32_t)tensor->shape[1];
     parts->desc.channel_count = (uint32_t)tensor->shape[2];
