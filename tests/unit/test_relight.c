@@ -190,12 +190,16 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
     check_refused(s,
         &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = &moon, .light_count = 1 },
         "'moon'", "'bulb', 'torch'");
-    check_refused(s, &(rsv_relight_desc){ .light = &dark, .light_count = 1 }, "'bulb'", "from 0");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = &dark, .light_count = 1 },
+        "'bulb'", "from 0");
     check_refused(s,
         &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .albedo = &gold, .albedo_count = 1 },
         "'gold'", "'red'");
-    check_refused(
-        s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "again");
+    check_refused(s,
+        &(rsv_relight_desc){
+            .size = sizeof(rsv_relight_desc), .albedo = &glass, .albedo_count = 1 },
+        "'glass'", "again");
     check_refused(s,
         &(rsv_relight_desc){
             .size = sizeof(rsv_relight_desc), .albedo = &bright, .albedo_count = 1 },
@@ -691,7 +695,8 @@ static void prepared_strengths_are_right_at_once(void **state)
     assert_true(rsv_relighter_is_settled(r));
     check_at_once(r, s,
         &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = dim, .light_count = 2 });
-    check_at_once(r, s, &(rsv_relight_desc){ .light = lit, .light_count = 2 });
+    check_at_once(r, s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = lit, .light_count = 2 });
     change(r, &later);
     assert_int_equal(rsv_relighter_settle(r), RSV_OK);
     later.light = dim;
@@ -712,7 +717,9 @@ static void what_cannot_move_is_refused(void **state)
     check_refused(s,
         &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &moon, .move_count = 1 },
         "'moon'", "'bulb', 'torch'");
-    check_refused(s, &(rsv_relight_desc){ .move = &far, .move_count = 1 }, "'bulb'", "moved by");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &far, .move_count = 1 },
+        "'bulb'", "moved by");
     rsv_light_destroy(s);
     world_end(w);
 }
