@@ -255,7 +255,7 @@ class Light(Object):
         unlit, density, map_size, padding, keep_uv, directional, basis, turns, probe_spacing, ...
         """
         desc, result = ffi.new("rsv_bake_desc *", lib.rsv_default_bake_desc()), ffi.new("rsv_bake_report *")
-        known = [name for name, _ in ffi.typeof("rsv_bake_desc").fields]
+        known = [name for name, _ in ffi.typeof("rsv_bake_desc").fields if name != "size"]
         for name, value in options.items():
             if name not in known:
                 raise TypeError(f"bake: there is no option '{name}'; there are {', '.join(sorted(known))}")
