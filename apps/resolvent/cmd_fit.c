@@ -282,6 +282,7 @@ int cli_fit(int argc, char **argv)
         session.mesh = s.mesh;
         session.moment = s.moment;
         session.reading = s.reading;
+        session.max_bytes = s.solve.max_bytes;
         session.keep_document = s.relit != NULL;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);

@@ -234,6 +234,7 @@ int cli_probe(int argc, char **argv)
         session.mesh = s.mesh;
         session.moment = s.moment;
         session.reading = s.reading;
+        session.max_bytes = s.solve.max_bytes;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

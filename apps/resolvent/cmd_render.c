@@ -705,6 +705,7 @@ int cli_render(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
+    session.max_bytes = s.solve.max_bytes;
     exit_status = s.sequence.frames ? run_sequence(&session, &s) : run(&session, &s);
     cli_session_end(&session);
     return exit_status;
