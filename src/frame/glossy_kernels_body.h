@@ -115,11 +115,11 @@ static inline void set_constants(const rsv_glossy_shading *s, const rsv_glossy_m
 }
 
 /// Lanes at surfaces of a material, a bit each.
-static inline uint32_t lanes_of_material(const glossy_lanes *restrict g, int material)
+static inline uint32_t lanes_of_material(const int *restrict materials, int material)
 {
     uint32_t lanes = 0;
     for (int k = 0; k < LANES; k++)
-        lanes |= (uint32_t)(g->material[k] == material) << k;
+        lanes |= (uint32_t)(materials[k] == material) << k;
     return lanes;
 }
 
@@ -127,17 +127,16 @@ static inline uint32_t lanes_of_material(const glossy_lanes *restrict g, int mat
 static void find_texels_ahead(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
     const float *restrict width, uint32_t lanes, rsv_texels_ahead *restrict to)
 {
-    _Alignas(64) int triangle[LANES];
-    glossy_lanes g;
+    _Alignas(64) int triangle[LANES], materials[LANES];
     to->lanes = 0;
     if (!lanes) return;
     fill_triangles(p, lanes, triangle);
-    gather(s->view->triangle_material, triangle, g.material);
-    int material = g.material[__builtin_ctz(lanes)];
+    gather(s->view->triangle_material, triangle, materials);
+    int material = materials[__builtin_ctz(lanes)];
     if (!s->materials[material].texture_count) return;
     const rsv_texture_ref *ref = packed_texture_of(s->view, (uint32_t)material);
     if (!ref) return;
-    to->lanes = lanes & lanes_of_material(&g, material);
+    to->lanes = lanes & lanes_of_material(materials, material);
     fill_triangles(p, to->lanes, triangle);
     find_texels_of(s->view, ref, triangle, p, width, to);
 }
@@ -187,7 +186,7 @@ static inline void find_constants(const rsv_glossy_shading *s, textured_packet p
         set_constants(s, &s->materials[g->material[k]], k, k + 1, to);
     for (uint32_t left = lanes; left;) {
         int material = g->material[__builtin_ctz(left)];
-        uint32_t same = lanes_of_material(g, material) & left;
+        uint32_t same = lanes_of_material(g->material, material) & left;
         left &= ~same;
         if (s->materials[material].texture_count)
             find_colors(s, packet, same, (uint32_t)material, to);
