@@ -59,6 +59,7 @@ if(RSV_EMBREE)
 endif()
 # the same with the tracer that takes Embree's place, which the linker then leaves in its archive
 rsv_add_test(trace_own unit/test_trace.c ${PROJECT_SOURCE_DIR}/src/trace/own.c ${PROJECT_SOURCE_DIR}/src/trace/own_rays.c)
+target_compile_definitions(test_trace_own PRIVATE RSV_TEST_OWN_TRACER)
 rsv_add_test(bvh unit/test_bvh.c)
 rsv_add_test(solve unit/test_solve.c)
 rsv_add_test(operator_matrix unit/test_operator_matrix.c)
