@@ -13,7 +13,8 @@ typedef struct rsv_twins_owner {
     rsv_twin_tree tree;
     uint8_t *flags;                ///< [triangle_count]
     uint32_t *first_rival, *rival; ///< see rsv_twins; NULL once triangles have moved
-    rsv_twin_tree whole;           ///< of a variant: all triangles, from the first move on
+    rsv_twin_node *
+        run; ///< of a variant: boxes around runs of triangles where they were at first; NULL = not yet moved
 } rsv_twins_owner;
 
 /// How far faces in the same place may lie apart at most, in this scene. @param reach, rounding out: see rsv_twins
