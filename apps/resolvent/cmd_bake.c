@@ -317,6 +317,7 @@ static int run(cli_session *session, settings *s)
     session->mesh = s->mesh;
     session->moment = s->moment;
     session->reading = s->reading;
+    session->max_bytes = s->solve.max_bytes;
     session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);

@@ -262,6 +262,7 @@ int cli_certify(int argc, char **argv)
         session.mesh = s.mesh;
         session.moment = s.moment;
         session.reading = s.reading;
+        session.max_bytes = s.solve.max_bytes;
         exit_status = run(&session, &s);
         cli_session_end(&session);
     }

@@ -387,6 +387,7 @@ int cli_daylight(int argc, char **argv)
     if (check_files(&s) && cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
         session.reading = s.reading;
+        session.max_bytes = s.solve.max_bytes;
         daylight_job job = { .session = &session, .s = &s };
         describe(&s, &job);
         exit_status = run(&job);

@@ -199,6 +199,7 @@ static int judge_observers(const settings *s)
         session.mesh = s->mesh;
         session.moment = s->moment;
         session.reading = s->reading;
+        session.max_bytes = s->solve.max_bytes;
         exit_status = rate(&session, s, &points);
         cli_session_end(&session);
     }

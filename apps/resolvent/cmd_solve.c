@@ -175,6 +175,7 @@ int cli_solve(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
+    session.max_bytes = s.solve.max_bytes;
     session.keep_document = !s.no_document;
     exit_status = run(&session, &s);
     cli_session_end(&session);

@@ -554,6 +554,7 @@ int cli_view(int argc, char **argv)
     session.mesh = s.mesh;
     session.moment = s.moment;
     session.reading = s.reading;
+    session.max_bytes = s.solve.max_bytes;
     viewer v = { .settings = &s, .session = &session, .told = { -1, -1 } };
     bool good = open_viewer(&v);
     cli_progress_clear(&session.progress);

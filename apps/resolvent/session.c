@@ -6,6 +6,7 @@
 #include "moment.h"
 #include "near_name.h"
 
+#include <malloc.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -135,16 +136,31 @@ static bool on_progress(void *user, const char *phase, double fraction)
     return !cli_interrupted();
 }
 
+/// Keeps the scene that is being opened within --max-memory. @return false where it takes more
+static bool count_bytes(cli_session *session, size_t bytes)
+{
+    if (!session->opens_scene || !session->max_bytes) return true;
+    if (atomic_fetch_add(&session->opened_bytes, bytes) + bytes <= session->max_bytes) return true;
+    atomic_fetch_sub(&session->opened_bytes, bytes);
+    session->is_too_large = true;
+    return false;
+}
+
 static void *allocate(void *user, size_t bytes)
 {
     cli_session *session = user;
     session->allocations++;
-    return aligned_alloc(64, bytes);
+    void *memory = aligned_alloc(64, bytes);
+    if (!memory || count_bytes(session, malloc_usable_size(memory))) return memory;
+    free(memory);
+    return NULL;
 }
 
 static void release(void *user, void *memory)
 {
-    (void)user;
+    cli_session *session = user;
+    if (session->opens_scene && memory)
+        atomic_fetch_sub(&session->opened_bytes, malloc_usable_size(memory));
     free(memory);
 }
 
@@ -331,7 +347,7 @@ static bool read_scene(cli_session *session, const char *name, bool is_file, rsv
     return status == RSV_OK;
 }
 
-rsv_scene *cli_open_scene(
+static rsv_scene *open_scene(
     cli_session *session, const char *name, const cli_environment *environment)
 {
     rsv_scene *scene = NULL;
@@ -352,10 +368,25 @@ rsv_scene *cli_open_scene(
     return NULL;
 }
 
+rsv_scene *cli_open_scene(
+    cli_session *session, const char *name, const cli_environment *environment)
+{
+    session->opened_bytes = 0;
+    session->is_too_large = false;
+    session->opens_scene = true;
+    rsv_scene *scene = open_scene(session, name, environment);
+    session->opens_scene = false;
+    return scene;
+}
+
 int cli_report_failure(cli_session *session, rsv_status status)
 {
+    char budget[96];
+    bool over_budget = status == RSV_ERROR_MEMORY && session->is_too_large;
     cli_progress_clear(&session->progress);
-    const char *message = cli_crew_fail(status, rsv_last_error());
+    snprintf(budget, sizeof budget, "the memory budget of %.0f MiB is too small to read the scene",
+        (double)session->max_bytes / (1 << 20));
+    const char *message = cli_crew_fail(status, over_budget ? budget : rsv_last_error());
     if (status != RSV_ERROR_CANCELLED)
         cli_error("%s", message);
     else if (cli_crew_speaks() && session->checkpoint)

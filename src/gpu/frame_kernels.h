@@ -254,19 +254,19 @@ RSV_KERNEL_VARIED(frame_follow, rsv_frame_args, rsv_frame_follow_item)
 /// The branch that rough lobes draw, and the sources that they are aimed at.
 /// @param found gets the light of these
 RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_traveller *at,
-    const rsv_bsdf_branches *branches, rsv_gpu_traveller *slot, rsv_rgb *found)
+    const rsv_bsdf_branches *branches, rsv_rough_surface *surface, rsv_gpu_traveller *slot,
+    rsv_rgb *found)
 {
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = *at;
-    rsv_rough_surface surface;
     rsv_rough_numbers numbers = rsv_rough_numbers_of(at->trail, t.path.triangle);
-    if (!rsv_rough_arrive(&stage->transport, &t.path, &numbers, branches, &surface)) return false;
+    if (!rsv_rough_arrive(&t.path, &numbers, branches, surface)) return false;
     if (stage->emission)
-        *found = rgb_add(*found, rsv_rough_light(&surface, stage->lights, false, numbers.light));
+        *found = rgb_add(*found, rsv_rough_light(surface, stage->lights, false, numbers.light));
     rsv_camera_branch branch;
-    if (!rsv_rough_branch(&surface, &numbers, at->trail, a->path_depth, &branch)) return false;
-    t.departure = rsv_rough_depart(&surface, branch.direction, 0);
-    if (!rsv_frame_set_out(a, &surface.point, &branch, &t)) return false;
+    if (!rsv_rough_branch(surface, &numbers, at->trail, a->path_depth, &branch)) return false;
+    t.departure = rsv_rough_depart(surface, branch.direction, 0);
+    if (!rsv_frame_set_out(a, &surface->point, &branch, &t)) return false;
     *slot = t;
     return true;
 }
@@ -302,11 +302,10 @@ RSV_INLINE rsv_rgb rsv_frame_scatter_at(
     const rsv_gpu_stage *stage = a->stage;
     const rsv_specular_path *path = &at->path;
     const rsv_transport_scene *scene = &stage->transport;
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
-    rsv_surface_point point = rsv_surface_point_seen(
-        scene->view, path->triangle, path->u, path->v, path->back, path->width);
-    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, path, &point);
+    rsv_rough_surface surface;
+    rsv_rough_see(scene, path, &surface);
+    const rsv_bsdf *bsdf = surface.bsdf;
+    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, path, &surface.point);
     rsv_gpu_traveller *to = a->to + (size_t)RSV_FRAME_BRANCHES * item;
     uint8_t *alive = a->alive + (size_t)RSV_FRAME_BRANCHES * item;
     rsv_rgb shown = rsv_frame_diffuse(stage, path, bsdf, &branches);
@@ -316,8 +315,9 @@ RSV_INLINE rsv_rgb rsv_frame_scatter_at(
             bsdf->emission);
     rsv_rgb found = rgb_mul(rsv_specular_throughput(scene, path, &path->medium), shown);
     for (uint32_t k = 0; k < 2; k++)
-        alive[k] = rsv_frame_branch(a, at, &point, k == 1, &branches, &to[k]);
-    if (branches.rough) alive[2] = rsv_frame_rough_branch(a, at, &branches, &to[2], &found);
+        alive[k] = rsv_frame_branch(a, at, &surface.point, k == 1, &branches, &to[k]);
+    if (branches.rough)
+        alive[2] = rsv_frame_rough_branch(a, at, &branches, &surface, &to[2], &found);
     return found;
 }
 

@@ -65,6 +65,12 @@ static void upload_scene(rsv_device_frames *f)
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
+/// Of all waves.
+static size_t traveller_count(const rsv_device_frames *f)
+{
+    return (f->stage.path_depth + 1) * f->slots;
+}
+
 static void lay_out_room(void *task, rsv_gpu_block *b)
 {
     rsv_device_frames *f = task;
@@ -82,7 +88,7 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
     a->found_by = rsv_gpu_place(b, f->slots, sizeof *a->found_by);
     f->begin_list = rsv_gpu_place(b, f->pixels, sizeof *f->begin_list);
     f->list = rsv_gpu_place(b, depth * f->slots, sizeof *f->list);
-    f->traveller = rsv_gpu_place(b, (depth + 1) * f->slots, sizeof *f->traveller);
+    f->traveller = rsv_gpu_place(b, traveller_count(f), sizeof *f->traveller);
     rsv_compactor_place(&f->compactor, b, most);
 }
 
@@ -169,6 +175,8 @@ static rsv_status create(
     f->args.varied = f->scene.bvh.holes != NULL;
     upload_scene(f);
     rsv_gpu_clear(f->gpu, f->args.sum, f->pixels * sizeof *f->args.sum); // fourth components, too
+    // what pads them, too
+    rsv_gpu_clear(f->gpu, f->traveller, traveller_count(f) * sizeof *f->traveller);
     status = rsv_gpu_wait(f->gpu, message);
     if (status == RSV_OK)
         *frames = f;

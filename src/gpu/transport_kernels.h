@@ -27,6 +27,16 @@ RSV_INLINE rsv_rgb rgb4_load(const rsv_rgb4 *from)
 #endif
 }
 
+/// An index that is read once: it shall not drive values out of the cache.
+RSV_INLINE uint32_t rsv_load_once(const uint32_t *from)
+{
+#if defined(__CUDA_ARCH__)
+    return __ldcs(from);
+#else
+    return *from;
+#endif
+}
+
 RSV_INLINE void rgb4_store(rsv_rgb4 *to, rsv_rgb v)
 {
     rsv_rgb4 value = { v.r, v.g, v.b, 0 };
@@ -82,7 +92,7 @@ RSV_INLINE rsv_rgb rsv_gather_lane(const rsv_gather_args *a, uint32_t row, uint3
     uint64_t end = a->row_begin[row + 1], tinted_end = a->tinted_begin[row + 1];
     RSV_UNROLL
     for (uint64_t k = a->row_begin[row] + lane; k < end; k += RSV_LANES)
-        sum = rgb_add(sum, rgb4_load(&a->exitance[a->column[k]]));
+        sum = rgb_add(sum, rgb4_load(&a->exitance[rsv_load_once(&a->column[k])]));
     for (uint64_t k = a->tinted_begin[row] + lane; k < tinted_end; k += RSV_LANES)
         sum = rgb_add(
             sum, rgb_mul(a->tinted_weight[k], rgb4_load(&a->exitance[a->tinted_column[k]])));
@@ -126,7 +136,8 @@ RSV_INLINE rsv_double3 rsv_residual_lane(const rsv_gather_args *a, uint32_t row,
     uint64_t end = a->row_begin[row + 1], tinted_end = a->tinted_begin[row + 1];
     RSV_UNROLL
     for (uint64_t k = a->row_begin[row] + lane; k < end; k += RSV_LANES)
-        sum = double3_add(sum, double3_mul(rgb_gray(1), rgb4_load(&a->exitance[a->column[k]])));
+        sum = double3_add(
+            sum, double3_mul(rgb_gray(1), rgb4_load(&a->exitance[rsv_load_once(&a->column[k])])));
     for (uint64_t k = a->tinted_begin[row] + lane; k < tinted_end; k += RSV_LANES)
         sum = double3_add(
             sum, double3_mul(a->tinted_weight[k], rgb4_load(&a->exitance[a->tinted_column[k]])));

@@ -5,6 +5,7 @@
 #include "gltf_accessor.h"
 #include "matrix.h"
 
+#include <math.h>
 #include <string.h>
 
 static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
@@ -33,11 +34,19 @@ static rsv_status read_binding(
     if (skin->inverse_bind_matrices < 0) return RSV_OK;
     rsv_status status = rsv_gltf_read_matrices(
         parts->context, parts->document, skin->inverse_bind_matrices, skin->name, matrices, &count);
-    if (status != RSV_OK || count >= skin->joint_count) return status;
+    if (status == RSV_OK && count < skin->joint_count)
+        status =
+            rsv_fail(RSV_ERROR_FORMAT, "skin '%s': accessor %d holds %zu matrices for %zu joints",
+                skin->name, skin->inverse_bind_matrices, count, skin->joint_count);
+    for (size_t k = 0; status == RSV_OK && k < 16 * skin->joint_count; k++)
+        if (!isfinite((*matrices)[k / 16][k % 16]))
+            status = rsv_fail(RSV_ERROR_FORMAT,
+                "skin '%s': accessor %d: the matrix of joint %zu is not finite; export it again",
+                skin->name, skin->inverse_bind_matrices, k / 16);
+    if (status == RSV_OK) return RSV_OK;
     rsv_free(parts->context, *matrices);
     *matrices = NULL;
-    return rsv_fail(RSV_ERROR_FORMAT, "skin '%s': accessor %d holds %zu matrices for %zu joints",
-        skin->name, skin->inverse_bind_matrices, count, skin->joint_count);
+    return status;
 }
 
 /// Joint matrix `k`: bound vertex to world.
@@ -173,16 +182,47 @@ static rsv_status add_joint(
     return RSV_OK;
 }
 
+/// Sum of the weights of vertex `n`.
+static double total_weight(const influences *all, size_t n)
+{
+    double sum = 0;
+    for (size_t k = 0; k < all->count; k++)
+        for (size_t i = 4 * n; i < 4 * n + 4; i++)
+            sum += usable(all->weight[k][i]);
+    return sum;
+}
+
+/// Says what is made of weights that mean nothing.
+static void tell_weights(
+    rsv_context *context, const influences *all, size_t vertex_count, const char *owner)
+{
+    size_t faulty = 0, loose = 0;
+    for (size_t n = 0; n < vertex_count; n++) {
+        bool good = true;
+        for (size_t k = 0; k < all->count; k++)
+            for (size_t i = 4 * n; i < 4 * n + 4; i++)
+                good = good && all->weight[k][i] >= 0 && isfinite(all->weight[k][i]);
+        faulty += !good;
+        loose += !(total_weight(all, n) > 0);
+    }
+    if (faulty)
+        rsv_log(context, RSV_LOG_WARNING,
+            "mesh '%s': %zu of %zu vertices have weights that are negative or not finite; these "
+            "count as 0",
+            owner, faulty, vertex_count);
+    if (loose)
+        rsv_log(context, RSV_LOG_WARNING,
+            "mesh '%s': %zu of %zu vertices have no weight above 0; they follow their first joint",
+            owner, loose, vertex_count);
+}
+
 /// What moves vertex `n`.
 static rsv_status blend(const rsv_gltf_joints *joints, const influences *all, size_t n,
     const char *owner, double matrix[16])
 {
     rsv_status status = RSV_OK;
-    double sum = 0;
+    double sum = total_weight(all, n);
     memset(matrix, 0, sizeof(double[16]));
-    for (size_t k = 0; k < all->count; k++)
-        for (size_t i = 4 * n; i < 4 * n + 4; i++)
-            sum += usable(all->weight[k][i]);
     if (!(sum > 0)) return add_joint(joints, all->joint[0][4 * n], 1, owner, matrix);
     for (size_t k = 0; k < all->count; k++)
         for (size_t i = 4 * n; i < 4 * n + 4; i++) {
@@ -257,6 +297,7 @@ rsv_status rsv_gltf_bend(const rsv_gltf_joints *joints, const rsv_gltf_document 
     rsv_status status;
     influences all = { 0 };
     RSV_TRY(read_influences(joints->context, document, primitive, owner, g->vertex_count, &all));
+    tell_weights(joints->context, &all, g->vertex_count, owner);
     for (size_t n = 0; n < g->vertex_count; n++) {
         double matrix[16];
         RSV_TRY(blend(joints, &all, n, owner, matrix));

@@ -36,11 +36,9 @@ static float emission_seen(const tree *t, const rsv_specular_path *path)
     return scene->material[scene->triangle_material[path->triangle]].camera_emission;
 }
 
-static void add_emission(tree *t, const link *at)
+static void add_emission(tree *t, const link *at, const rsv_bsdf *bsdf)
 {
-    rsv_bsdf storage;
     const rsv_specular_path *path = &at->path;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(t->scene, path, &storage);
     if (!rsv_side_shows_emission(bsdf, path->back)) return;
     float weight = rsv_rough_emission_weight(t->scene, t->lights, path, &at->departure);
     weight *= emission_seen(t, path);
@@ -86,11 +84,11 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
 
 /// Goes straight on where the surface does not cover. What a rough surface aims at is aimed at through it, too, so that the
 /// departure stays what it was; without one, that is done along with what is transmitted.
-static void pass(tree *t, const link *at, rsv_bsdf_branches *branches)
+/// @param opacity of the surface
+static void pass(tree *t, const link *at, float opacity, rsv_bsdf_branches *branches)
 {
-    rsv_bsdf storage;
+    float uncovered = 1 - opacity;
     if (!(at->departure.pdf_solid_angle > 0)) return;
-    float uncovered = 1 - rsv_specular_bsdf(t->scene, &at->path, &storage)->opacity;
     if (!(uncovered > 0)) return;
     rsv_bsdf_branches past = { .transmit = rgb_gray(uncovered),
         .transmit_direction = at->path.direction };
@@ -128,23 +126,24 @@ static rsv_rgb light_aimed(const tree *t, const link *at, const rsv_rough_surfac
 }
 
 /// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
-static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
+/// @param at its weight is made up for surfaces whose lobes are not looked at
+static void follow_rough(
+    tree *t, link *at, const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
 {
-    rsv_rough_surface surface;
-    rsv_rough_numbers numbers = draw_numbers(t, &at);
-    if (!rsv_rough_arrive(t->scene, &at.path, &numbers, branches, &surface)) return;
-    t->radiance = rgb_add(t->radiance, light_aimed(t, &at, &surface, &numbers));
+    rsv_rough_numbers numbers = draw_numbers(t, at);
+    if (!rsv_rough_arrive(&at->path, &numbers, branches, surface)) return;
+    t->radiance = rgb_add(t->radiance, light_aimed(t, at, surface, &numbers));
     rsv_sky_aim aim;
-    rsv_rough_aim(&surface, t->setting->visibility, &aim);
+    rsv_rough_aim(surface, t->setting->visibility, &aim);
     t->radiance =
-        rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
+        rgb_add(t->radiance, rsv_rough_aimed_light(surface, t->lights, &aim, numbers.sky));
     rsv_camera_branch branch;
-    if (!rsv_rough_branch(&surface, &numbers, at.trail, t->most, &branch)) return;
+    if (!rsv_rough_branch(surface, &numbers, at->trail, t->most, &branch)) return;
     float sky_pdf = rsv_sky_aim_pdf(&aim, branch.direction);
-    link next = { at.path, rsv_rough_depart(&surface, branch.direction, sky_pdf), at.trail,
-        at.shot };
-    next.departure.shot = at.shot;
-    if (t->setting->shot && at.path.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
+    link next = { at->path, rsv_rough_depart(surface, branch.direction, sky_pdf), at->trail,
+        at->shot };
+    next.departure.shot = at->shot;
+    if (t->setting->shot && at->path.events == 0) next.shot = rsv_rough_is_wide(surface->bsdf);
     leave(t, next, &branch);
 }
 
@@ -158,12 +157,29 @@ static void limit_events(tree *t, link *at)
     t->most = UINT32_MAX;
 }
 
+/// What a link finds at its surface, and the branches that leave there.
+static void visit(tree *t, link *at, rsv_diffuse_end end, void *user)
+{
+    rsv_rough_surface surface;
+    rsv_rough_see(t->scene, &at->path, &surface);
+    add_emission(t, at, surface.bsdf);
+    rsv_bsdf_branches branches = rsv_specular_branches_of(surface.bsdf, &at->path, &surface.point);
+    if (!rgb_is_black(branches.diffuse))
+        end(user, &at->path,
+            rgb_mul(
+                rsv_specular_throughput(t->scene, &at->path, &at->path.medium), branches.diffuse));
+    limit_events(t, at);
+    pass(t, at, surface.bsdf->opacity, &branches);
+    follow(t, at, false, &branches);
+    follow(t, at, true, &branches);
+    if (branches.rough) follow_rough(t, at, &branches, &surface);
+}
+
 rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path path, uint32_t trail,
     const rsv_pixel_sample *sample, rsv_diffuse_end end, void *user)
 {
-    const rsv_transport_scene *scene = setting->scene;
     tree t; // its stack need not be cleared
-    t.scene = scene;
+    t.scene = setting->scene;
     t.lights = setting->lights;
     t.setting = setting;
     t.sample = sample;
@@ -174,17 +190,7 @@ rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path pat
     t.stack[0] = (link){ .path = path, .trail = trail };
     while (t.depth > 0) {
         link at = t.stack[--t.depth];
-        add_emission(&t, &at);
-        rsv_bsdf_branches branches = rsv_specular_branches(scene, &at.path);
-        if (!rgb_is_black(branches.diffuse))
-            end(user, &at.path,
-                rgb_mul(
-                    rsv_specular_throughput(scene, &at.path, &at.path.medium), branches.diffuse));
-        limit_events(&t, &at);
-        pass(&t, &at, &branches);
-        follow(&t, &at, false, &branches);
-        follow(&t, &at, true, &branches);
-        if (branches.rough) follow_rough(&t, at, &branches);
+        visit(&t, &at, end, user);
     }
     return t.radiance;
 }

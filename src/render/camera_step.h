@@ -107,15 +107,16 @@ RSV_INLINE bool rsv_rough_goes_on(const rsv_bsdf_event *event)
     return specular && event->pdf_solid_angle > 0;
 }
 
-/// A rough surface whose lobes are looked at: the specular path, which is made up for those that are not, and its surface.
-/// @param specular path in and out @return false = this one is not
-RSV_INLINE bool rsv_rough_arrive(const rsv_transport_scene *scene, rsv_specular_path *path,
-    const rsv_rough_numbers *numbers, const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
+/// Whether the lobes of a rough surface that was seen are looked at; if so, it is lifted, and the path made up for those
+/// that are not. @param path in and out: the surface's from now on
+RSV_INLINE bool rsv_rough_arrive(rsv_specular_path *path, const rsv_rough_numbers *numbers,
+    const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
 {
-    rsv_rough_meet(scene, path, surface);
     float chance = rsv_rough_chance(surface, branches);
     if (numbers->kept >= chance) return false;
     path->weight = rgb_scale(path->weight, 1 / chance);
+    surface->path = path;
+    rsv_rough_lift(surface);
     return true;
 }
 

@@ -27,7 +27,14 @@ typedef struct rsv_rough_surface {
     bool front;
 } rsv_rough_surface;
 
-/// @param specular path borrowed
+/// The surface as it is seen. @param path borrowed
+RSV_SHARED void rsv_rough_see(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *surface);
+
+/// Lifts what was seen to the curved surface, to be lit there (surface/lift.h).
+RSV_SHARED void rsv_rough_lift(rsv_rough_surface *surface);
+
+/// Both.
 RSV_SHARED void rsv_rough_meet(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *surface);
 

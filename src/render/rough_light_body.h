@@ -7,17 +7,30 @@
 /// Width of the microsurface from which on lobes count as wide.
 #define WIDE_ALPHA 0.25f
 
-RSV_SHARED void rsv_rough_meet(
+RSV_SHARED void rsv_rough_see(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *s)
 {
     s->scene = scene;
     s->path = path;
-    s->bsdf = rsv_specular_scattering(scene, path, &s->normal, &s->storage);
+    s->bsdf = rsv_specular_bsdf(scene, path, &s->storage);
     s->point = rsv_surface_point_seen(
         scene->view, path->triangle, path->u, path->v, path->back, path->width);
-    rsv_surface_lift(scene->view, scene->tracer, path->triangle, path->u, path->v, &s->point);
+    s->normal = rsv_specular_bsdf_normal(s->bsdf, path, &s->point);
     s->wo = v3_neg(path->direction);
     s->front = !path->back;
+}
+
+RSV_SHARED void rsv_rough_lift(rsv_rough_surface *s)
+{
+    const rsv_specular_path *path = s->path;
+    rsv_surface_lift(s->scene->view, s->scene->tracer, path->triangle, path->u, path->v, &s->point);
+}
+
+RSV_SHARED void rsv_rough_meet(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *s)
+{
+    rsv_rough_see(scene, path, s);
+    rsv_rough_lift(s);
 }
 
 RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf)

@@ -71,6 +71,9 @@ RSV_INLINE void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool bac
 }
 
 /// The innermost body; NULL outside. @param bsdf [material_count]
+///
+/// Code for devices asks for the depth, not for NULL: ptxas 13.0 tests such a pointer too early on Hopper, and reads through
+/// NULL (CS2R, a predicated write, and ISETP five cycles later).
 RSV_INLINE const rsv_bsdf *rsv_medium_body(const rsv_medium *medium, const rsv_bsdf *bsdf)
 {
     return medium->depth ? &bsdf[medium->body[medium->depth - 1]] : NULL;
@@ -79,14 +82,12 @@ RSV_INLINE const rsv_bsdf *rsv_medium_body(const rsv_medium *medium, const rsv_b
 /// Of the innermost body; 1 outside. @param bsdf [material_count]
 RSV_INLINE float rsv_medium_ior(const rsv_medium *medium, const rsv_bsdf *bsdf)
 {
-    const rsv_bsdf *body = rsv_medium_body(medium, bsdf);
-    return body ? body->ior : 1;
+    return medium->depth ? rsv_medium_body(medium, bsdf)->ior : 1;
 }
 
 RSV_INLINE bool rsv_medium_absorbs(const rsv_medium *medium, const rsv_bsdf *bsdf)
 {
-    const rsv_bsdf *body = rsv_medium_body(medium, bsdf);
-    return body && !rgb_is_black(body->absorption);
+    return medium->depth && !rgb_is_black(rsv_medium_body(medium, bsdf)->absorption);
 }
 
 /// What is left of light after `distance` metres (Beer-Lambert). Whoever sees an infinite distance lies in

@@ -42,6 +42,22 @@ rm -f "$out"/*
 
 refuses 1 'memory budget of 5 MiB is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 5MiB
 refuses 1 'memory budget of 40 MiB is too small' render terraces:3e5 -o "$out/a.png" "${small[@]}" --max-memory 40MiB
+
+# reading keeps to it too: a million instances in a file of 1 kB
+cat >many.gltf <<'TEXT'
+{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ],
+  "extensionsUsed": [ "EXT_mesh_gpu_instancing" ],
+  "nodes": [ { "mesh": 0, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 1 } } } } ],
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0 } } ] } ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" },
+                 { "componentType": 5126, "count": 1000000, "type": "VEC3" } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 36 } ],
+  "buffers": [ { "byteLength": 36,
+                 "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" } ] }
+TEXT
+for command in "render many.gltf -o $out/a.png" "solve many.gltf -o $out/a.safetensors" "bake many.gltf --to vertex -o $out/a.glb"; do
+    refuses 1 'memory budget of 60 MiB is too small to read' $command --max-memory 60MiB
+done
 for amount in 2 -1GiB 0MiB 1e30TiB nanGiB GiB 1gib '3 GiB'; do
     refuses 2 'amount of memory' render cornell-blocks -o "$out/a.png" --max-memory "$amount"
 done

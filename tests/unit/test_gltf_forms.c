@@ -221,14 +221,17 @@ static void vertices_without_weights_follow_their_first_joint(void **state)
 {
     folder place = new_folder();
     sketch s = square_sketch();
+    fixture *f = *state;
     const uint8_t joints[16] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
-    const float weights[16] = { 0 };
+    const float weights[16] = { 0, 0, 0, 0, -1, 0, 0, 0, NAN, 0, 0, 0, INFINITY };
     add_accessor(&s, joints, sizeof joints, 5121, 4, "VEC4", "");
     add_vectors(&s, weights, 4, 4);
     rsv_scene *scene = load_sketch(*state, &place, &s,
         BOUND_MESH "\"skins\":[{\"joints\":[1,2]}],\"nodes\":[{\"mesh\":0,\"skin\":0},{},"
                    "{\"translation\":[4,0,0]}]");
     assert_bounds(scene, v3(4, 0, 0), v3(5, 1, 0));
+    assert_mentions(f->log, "3 of 4 vertices have weights that are negative or not finite");
+    assert_mentions(f->log, "4 of 4 vertices have no weight above 0");
     rsv_scene_destroy(scene);
     remove_folder(place.path);
 }
@@ -295,10 +298,14 @@ static void broken_skins_are_refused(void **state)
         { "\"skins\":[{\"name\":\"s\",\"joints\":[7]}],", "its joint 0 is node 7" },
         { "\"skins\":[{\"name\":\"s\",\"joints\":[1],\"inverseBindMatrices\":0}],",
             "skin 's': accessor 0 must hold MAT4" },
+        { "\"skins\":[{\"name\":\"s\",\"joints\":[1],\"inverseBindMatrices\":4}],",
+            "skin 's': accessor 4: the matrix of joint 0 is not finite" },
         { "", "node 'n': skin 0 does not exist" },
     };
     folder place = new_folder();
-    const sketch s = bound_square();
+    sketch s = bound_square();
+    const float inverse[16] = { 1, 0, 0, 0, 0, NAN };
+    add_accessor(&s, inverse, sizeof inverse, 5126, 1, "MAT4", "");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char rest[1024];
         snprintf(rest, sizeof rest,
