@@ -122,10 +122,10 @@ static bool check_target(const settings *s, int *exit_status)
     else if (!cli_ends_in(s->output, extension))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
     else if (is_volume(s->target) && s->bake.operator_file)
-        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
+        *exit_status = cli_usage_error("bake", "--operator requires --to vertex or lightmap");
     else if (is_volume(s->target) && (s->bake.light_scale > 0 || s->error > 0))
         *exit_status =
-            cli_usage_error("bake", "--error and --light-scale go with --to vertex or lightmap");
+            cli_usage_error("bake", "--error and --light-scale require --to vertex or lightmap");
     else
         return true;
     return false;

@@ -342,7 +342,7 @@ static void obey(void *user, const char *text)
     if (!cli_read_view_command(text, &command, v->hud.message)) return;
     if (cli_view_needs_light(command.verb) && !cli_show_is_complete(&v->show))
         snprintf(
-            v->hud.message, sizeof v->hud.message, "%s: not before the best light is there", text);
+            v->hud.message, sizeof v->hud.message, "%s: available once all light is solved", text);
     else
         cli_view_apply(&v->state, &command, v->hud.message);
 }

@@ -103,8 +103,8 @@ refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -
 # ---- what a file holds, and what is wrong with it ----
 succeeds info back.gltf --check
 says 'likely mistakes: 2'
-says "nothing shines"
-says "from behind ('wall'"
+says "there is no light"
+says "single-sided surfaces (mostly 'wall'"
 succeeds info back.gltf --check --json
 grep -q '"kind":[[:space:]]*"no_light"' stdout || complain "the findings lack no_light"
 grep -q '"kind":[[:space:]]*"backs"' stdout || complain "the findings lack backs"

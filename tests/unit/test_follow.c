@@ -124,7 +124,7 @@ static void motions_that_make_no_sense_are_refused(void **state)
     far.matrix[12] = 1e20f;
     refuse_motion(&s, other, "object 999");
     refuse_motion(&s, mirror, "mirrored");
-    refuse_motion(&s, flat, "scaled to nothing");
+    refuse_motion(&s, flat, "scaled to zero");
     refuse_motion(&s, nan, "not finite");
     refuse_motion(&s, far, "farther than");
     close_stage(&s);
