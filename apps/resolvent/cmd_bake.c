@@ -201,8 +201,8 @@ static void print_report(const char *target, const rsv_bake_report *r)
             r->map_width ? "texels" : "vertices",
             r->map_width ? "; OUT.lightmap.exr holds them all" : "; --light-scale keeps them");
     if (r->judged)
-        printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s estimated anew, "
-               "with noise of %.2g %%\n",
+        printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s, compared "
+               "with estimates with a noise of %.2g %%\n",
             100 * r->error_median, 100 * r->error_99, r->judged,
             r->map_width ? "texels" : "vertices", 100 * r->error_noise);
     if (r->lights) printf("lights      %zu\n", r->lights);

@@ -16,7 +16,7 @@ static const char help[] =
     "the scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     weather file of EnergyPlus (.epw) or Daysim (.wea). May be repeated: each file\n"
-    "                     then takes its own -o options, in the same order, and a second more to compute\n"
+    "                     then has its own -o options, in the same order, and adds about a second\n"
     "  -o FILE            the report: a self-contained page (.html), .json or .csv; repeat it for more\n"
     "                     formats\n"
     "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"

@@ -42,12 +42,12 @@ static const char help[] =
     "                     quality 0, 20 %, 10 %)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
         CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --camera NAME      a camera listed by `resolvent info SCENE` (default: the first)\n"
-    "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film of\n"
-    "                     24 mm height (default: everything is sharp)\n"
-    "  --focus M          distance of focus in metres (default: whatever is in the middle)\n"
+    "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film\n"
+    "                     24 mm high (default: everything is sharp)\n"
+    "  --focus M          distance in focus, metres (default: that of the middle of the picture)\n"
     "  --shift-x X        shift the film to the right, in picture widths (default 0)\n"
     "  --shift-y Y        shift it upwards, in picture heights (default 0)\n"
-    "  --projection P     perspective (default: as the camera says); equirectangular: all around;\n"
+    "  --projection P     perspective (default: that of the camera); equirectangular: all around;\n"
     "                     fisheye: the half space ahead, in a circle\n"
     "  --goal             refine the surfaces that this camera sees, directly or through reflected light\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
