@@ -51,7 +51,7 @@ static rsv_status change_strengths(rsv_relighter *relighter, const change_times 
     for (size_t i = 0; i < count; i++)
         scale[i] = (rsv_light_scale){ rsv_relighter_source(relighter, i).name,
             { factor, factor, factor } };
-    const rsv_relight_desc desc = { .light = scale, .light_count = count };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = scale, .light_count = count };
     return measure_change(relighter, &desc, t, k);
 }
 
@@ -60,7 +60,7 @@ static rsv_status move_light(
 {
     const rsv_light_move move = { rsv_relighter_source(relighter, source).name,
         { k % 2 ? stride : -stride, 0, 0 } };
-    const rsv_relight_desc desc = { .move = &move, .move_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .move = &move, .move_count = 1 };
     return measure_change(relighter, &desc, t, k);
 }
 

@@ -86,7 +86,7 @@ static void place_probes(const rsv_scene_view *view, rsv_probe *probe)
 static rsv_status read_light(const rsv_light *light, const rsv_probe *probe, double *luminance)
 {
     rsv_probe_reading reading[POINTS];
-    const rsv_probe_desc desc = { .mode = RSV_PROBE_LOOKUP, .samples = 32 };
+    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 32 };
     rsv_status status = rsv_probe_irradiance(light, &desc, probe, POINTS, reading);
     for (size_t k = 0; k < POINTS && status == RSV_OK; k++) {
         rsv_rgb e = reading[k].irradiance;

@@ -119,7 +119,7 @@ static rsv_status take_mixed(
 {
     const rsv_light_scale scale = { rsv_relighter_source(relighter, 0).name,
         { factor, factor, factor } };
-    const rsv_relight_desc desc = { .light = &scale, .light_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = &scale, .light_count = 1 };
     rsv_status status = rsv_relighter_change(relighter, &desc);
     return status == RSV_OK ? rsv_light_mix_take(mix, image) : status;
 }

@@ -13,7 +13,8 @@ rsv_status cli_add_box(rsv_scene *scene, const char *name, rsv_vec3 low, rsv_vec
     for (int k = 0; k < 8; k++)
         corner[k] =
             (rsv_vec3){ k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z };
-    const rsv_mesh_desc desc = { .name = name,
+    const rsv_mesh_desc desc = { .size = sizeof desc,
+        .name = name,
         .positions = corner,
         .vertex_count = 8,
         .indices = facing == CLI_FACES_INWARDS ? inwards : outwards,

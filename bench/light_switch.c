@@ -49,7 +49,7 @@ static rsv_status dim(switched *s, cJSON *result)
 {
     const rsv_light_scale scale = { rsv_relighter_source(s->relighter, 0).name,
         { 0.25f, 0.25f, 0.25f } };
-    const rsv_relight_desc desc = { .light = &scale, .light_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = &scale, .light_count = 1 };
     rsv_relight_progress progress = { .converged = false };
     double started = cli_seconds(), third = 0, fresh = 0, done = 0;
     rsv_status status = rsv_relighter_change(s->relighter, &desc);

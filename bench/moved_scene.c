@@ -87,7 +87,8 @@ static rsv_status copy_mesh(
         position[k] = put(place, position[k], 1);
         normal[k] = put(place, normal[k], 0);
     }
-    const rsv_mesh_desc mesh = { .name = view->object_name[view->triangle_object[first]],
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = view->object_name[view->triangle_object[first]],
         .positions = position,
         .normals = normal,
         .vertex_count = count,

@@ -73,7 +73,8 @@ static rsv_status add_shade(rsv_scene *scene)
     if (status == RSV_OK)
         status = add_material(scene, (rsv_rgb){ 0.6f, 0.5f, 0.3f }, (rsv_rgb){ 0, 0, 0 }, &cloth);
     if (status != RSV_OK) return status;
-    const rsv_mesh_desc shade = { .name = "shade",
+    const rsv_mesh_desc shade = { .size = sizeof shade,
+        .name = "shade",
         .positions = corner,
         .vertex_count = (size_t)2 * SIDES,
         .indices = index,

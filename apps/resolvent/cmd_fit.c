@@ -207,8 +207,9 @@ static rsv_status relight(
         rsv_fit_light l = rsv_fit_get_light(fit, k);
         scale[k] = (rsv_light_scale){ l.name, l.scale };
     }
-    rsv_status status = rsv_light_relight(
-        subject->solution, &(rsv_relight_desc){ .light = scale, .light_count = count });
+    rsv_status status = rsv_light_relight(subject->solution,
+        &(rsv_relight_desc){
+            .size = sizeof(rsv_relight_desc), .light = scale, .light_count = count });
     free(scale);
     if (status == RSV_OK && rsv_is_operator_file(s->scene))
         status = rsv_operator_scene_name(session->context, s->scene, name, sizeof name);

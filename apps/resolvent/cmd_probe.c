@@ -107,7 +107,9 @@ static rsv_status solve(cli_session *session, const settings *s, const cli_point
 static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
     size_t count, rsv_probe_reading *readings)
 {
-    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
+    const rsv_probe_desc desc = {
+        .size = sizeof desc, (rsv_probe_mode)s->mode, s->samples, s->solve.seed
+    };
     if (s->mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(
             subject->scene, probe, count, s->samples, s->solve.seed, readings);

@@ -178,7 +178,8 @@ static bool read_changes(settings *s)
         s->light[lights++] = (rsv_light_scale){ "environment",
             { s->env_intensity, s->env_intensity, s->env_intensity } };
     bool turn = isfinite(s->env_rotate);
-    s->still = (rsv_relight_desc){ .light = s->light,
+    s->still = (rsv_relight_desc){ .size = sizeof(rsv_relight_desc),
+        .light = s->light,
         .light_count = lights,
         .albedo = s->albedo,
         .albedo_count = s->albedos.count,

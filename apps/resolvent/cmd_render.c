@@ -428,13 +428,13 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, stats);
 }
 
+/// @param solve borrowed
 static rsv_plan_desc describe_plan(
-    cli_session *session, const settings *s, const rsv_render_desc *picture)
+    cli_session *session, const settings *s, const rsv_solve_desc *solve)
 {
     rsv_plan_desc plan = rsv_default_plan_desc();
     double left = (double)s->target.max_seconds - (cli_seconds() - session->started);
-    plan.solve = cli_describe_solve(&s->solve);
-    plan.solve.reserved_bytes = picture_bytes(s, picture);
+    plan.solve = solve;
     if (s->target.share > 0) plan.relative_error = (double)s->target.share;
     if (s->target.max_seconds == 0) return plan;
     if (s->target.share == 0) plan.relative_error = 0;
@@ -449,7 +449,9 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     const rsv_render_desc *desc, cli_subject *subject, rsv_image **image, cli_stats *stats)
 {
     static const rsv_solve_report nothing = { 0 };
-    rsv_plan_desc plan = describe_plan(session, s, desc);
+    rsv_solve_desc solve = cli_describe_solve(&s->solve);
+    solve.reserved_bytes = picture_bytes(s, desc);
+    rsv_plan_desc plan = describe_plan(session, s, &solve);
     double started = cli_seconds();
     bool was_solved = subject->solution != NULL;
     rsv_status status =
@@ -613,9 +615,10 @@ static bool run_frame(reel *r, uint32_t frame)
 static bool write_reel_stats(reel *r)
 {
     const settings *s = r->s;
-    const rsv_render_desc desc = {
-        .width = r->stats.width, .height = r->stats.height, .samples = r->stats.samples
-    };
+    const rsv_render_desc desc = { .size = sizeof desc,
+        .width = r->stats.width,
+        .height = r->stats.height,
+        .samples = r->stats.samples };
     if (!s->stats) return true;
     r->stats.more = cJSON_CreateObject();
     cJSON_AddNumberToObject(r->stats.more, "frames", s->sequence.last - s->sequence.first + 1);

@@ -37,6 +37,7 @@ typedef struct rsv_bake_visitor {
 
 /// Start from rsv_default_bake_desc().
 typedef struct rsv_bake_desc {
+    size_t size; ///< of this structure; rsv_default_bake_desc() sets it
     /// Vertices: surfaces are tessellated, down to the elements, until light between vertices is off by no more than
     /// this share of itself; 0.002..1, default 0.02.
     float tolerance;
@@ -75,7 +76,14 @@ typedef struct rsv_bake_desc {
     const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;
 
-RSV_API rsv_bake_desc rsv_default_bake_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_bake_desc() is made of.
+RSV_API void rsv_bake_desc_init(rsv_bake_desc *desc, size_t size);
+static inline rsv_bake_desc rsv_default_bake_desc(void)
+{
+    rsv_bake_desc desc;
+    rsv_bake_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// What came out.
 typedef struct rsv_bake_report {

@@ -28,6 +28,7 @@ extern "C" {
 
 /// Start from rsv_default_certify_desc().
 typedef struct rsv_certify_desc {
+    size_t size; ///< of this structure; rsv_default_certify_desc() sets it
     uint32_t
         samples; ///< points on the surfaces, 16..2^24, default 2048; rounded up to a multiple of 8
     uint32_t gather_rays;   ///< of each of the two estimates at a point, 1..2^16, default 512
@@ -35,10 +36,24 @@ typedef struct rsv_certify_desc {
     uint32_t seed;          ///< any: independent of the solution's, even if equal
 } rsv_certify_desc;
 
-RSV_API rsv_certify_desc rsv_default_certify_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_certify_desc() is made of.
+RSV_API void rsv_certify_desc_init(rsv_certify_desc *desc, size_t size);
+static inline rsv_certify_desc rsv_default_certify_desc(void)
+{
+    rsv_certify_desc desc;
+    rsv_certify_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// A smaller sample that costs little beside a solve: for a first idea of the error.
-RSV_API rsv_certify_desc rsv_brief_certify_desc(void);
+static inline rsv_certify_desc rsv_brief_certify_desc(void)
+{
+    rsv_certify_desc desc = rsv_default_certify_desc();
+    desc.samples = 128;
+    desc.gather_rays = 256;
+    desc.light_samples = 32;
+    return desc;
+}
 
 /// Luminance of irradiance, W/m2, area-weighted over all sides of surfaces that have a diffuse lobe and are not
 /// inside other geometry or in touch with it (docs/certificate.md).
@@ -104,6 +119,7 @@ RSV_API rsv_status rsv_certify_points(const rsv_light *light, const rsv_certify_
 
 /// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
 typedef struct rsv_error_target {
+    size_t size; ///< of this structure; rsv_default_error_target() sets it
     double
         relative_error; ///< RMS(e) / irradiance_rms, or with a goal error / reading, 1e-4..1: 0.01 = 1 %
     size_t max_elements; ///< rows of the operator (default 5,000,000), as in rsv_solve_desc
@@ -111,7 +127,14 @@ typedef struct rsv_error_target {
     uint32_t max_rounds; ///< solutions built at most (default 8)
 } rsv_error_target;
 
-RSV_API rsv_error_target rsv_default_error_target(double relative_error);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_error_target() is made of.
+RSV_API void rsv_error_target_init(rsv_error_target *desc, size_t size, double relative_error);
+static inline rsv_error_target rsv_default_error_target(double relative_error)
+{
+    rsv_error_target desc;
+    rsv_error_target_init(&desc, sizeof desc, relative_error);
+    return desc;
+}
 
 typedef enum rsv_error_stop {
     RSV_ERROR_TARGET_REACHED,
@@ -126,7 +149,7 @@ typedef enum rsv_error_stop {
 /// confirm it. (The bound would ask for several times the accuracy, and so for tens of times the work.) What is refined is
 /// what errs most: elements and rays of the operator, or those of direct light. Every round is logged; so is the budget
 /// that stopped them.
-/// @param start of the first round, its goal that of all; NULL = draft
+/// @param start of the first round, its goal that of all; NULL = draft @param target NULL = an error of 5 %
 /// Rounds end early where two in a row have not lowered the error.
 /// @param light the one that reached the target; else that of the lowest error, whatever stopped the rounds
 /// @param certificate its certificate
@@ -136,13 +159,21 @@ RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_de
 
 /// A picture of where the error is. Start from rsv_default_heat_map_desc().
 typedef struct rsv_heat_map_desc {
+    size_t size;            ///< of this structure; rsv_default_heat_map_desc() sets it
     uint32_t width, height; ///< pixels, 16 x 32 at least: a colour bar takes the lowest 12 rows
     uint32_t camera;        ///< index in the scene
     const rsv_camera *viewpoint; ///< one that is not in the scene, instead; borrowed. NULL = none
     uint32_t gather_rays;        ///< of each of the two estimates per pixel, default 128
 } rsv_heat_map_desc;
 
-RSV_API rsv_heat_map_desc rsv_default_heat_map_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_heat_map_desc() is made of.
+RSV_API void rsv_heat_map_desc_init(rsv_heat_map_desc *desc, size_t size);
+static inline rsv_heat_map_desc rsv_default_heat_map_desc(void)
+{
+    rsv_heat_map_desc desc;
+    rsv_heat_map_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 #define RSV_HEAT_MAP_LOW                                                                           \
     1e-3 ///< relative error at the left end of the colour bar; ticks every decade

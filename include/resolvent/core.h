@@ -52,8 +52,13 @@ typedef enum rsv_log_level { RSV_LOG_INFO, RSV_LOG_WARNING } rsv_log_level;
 /// destroyed before it.
 typedef struct rsv_context rsv_context;
 
+// Descriptors, here and in the other headers, hold the options of a function. Each begins with its size, so that later versions
+// of the library can add fields. rsv_default_..._desc() sets it; where an initialiser does instead, it is sizeof the descriptor.
+// Functions take NULL for defaults, and refuse a descriptor without a size (RSV_ERROR_ARGUMENT). See docs/api.md, Versions.
+
 /// How a context behaves. Start from rsv_default_context_desc().
 typedef struct rsv_context_desc {
+    size_t size; ///< of this structure; rsv_default_context_desc() sets it
     /// Workers that share a loop; 0 = one per core, or OMP_NUM_THREADS. Results do not depend on it.
     int thread_count;
     /// Runs loops on threads of the program: calls `task(data, i)` once for each i < count, and returns when all have returned.
@@ -80,7 +85,14 @@ typedef struct rsv_context_desc {
     struct rsv_device *device;
 } rsv_context_desc;
 
-RSV_API rsv_context_desc rsv_default_context_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_context_desc() is made of.
+RSV_API void rsv_context_desc_init(rsv_context_desc *desc, size_t size);
+static inline rsv_context_desc rsv_default_context_desc(void)
+{
+    rsv_context_desc desc;
+    rsv_context_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **context);

@@ -16,6 +16,7 @@ extern "C" {
 
 /// Start from rsv_default_daylight_desc().
 typedef struct rsv_daylight_desc {
+    size_t size;  ///< of this structure; rsv_default_daylight_desc() sets it
     double north; ///< degrees by which north lies clockwise from -z, seen from above; default 0
     float ground_albedo;  ///< of what is below the horizon, outside the scene; default 0.2
     uint32_t subdivision; ///< of the sky's patches, default 4: 2305 of them
@@ -24,7 +25,14 @@ typedef struct rsv_daylight_desc {
     uint32_t seed;
 } rsv_daylight_desc;
 
-RSV_API rsv_daylight_desc rsv_default_daylight_desc(rsv_quality quality);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_daylight_desc() is made of.
+RSV_API void rsv_daylight_desc_init(rsv_daylight_desc *desc, size_t size, rsv_quality quality);
+static inline rsv_daylight_desc rsv_default_daylight_desc(rsv_quality quality)
+{
+    rsv_daylight_desc desc;
+    rsv_daylight_desc_init(&desc, sizeof desc, quality);
+    return desc;
+}
 
 /// Replaces the scene's surroundings by the mean sky of a weather file, suns included: what elements and errors are judged by.
 RSV_API rsv_status rsv_daylight_surround(
@@ -115,6 +123,7 @@ RSV_API int rsv_daylight_class(double target, double minimum);
 
 /// Start from rsv_default_daylight_run_desc().
 typedef struct rsv_daylight_run_desc {
+    size_t size;     ///< of this structure; rsv_default_daylight_run_desc() sets it
     bool sky_only;   ///< leave the sun out
     double from, to; ///< occupied hours of every day, standard time; default 8 to 18
     float *hourly;   ///< out, [weather->count][sensor count] lux; NULL = not wanted
@@ -128,7 +137,14 @@ typedef struct rsv_daylight_run_desc {
     size_t room_count;
 } rsv_daylight_run_desc;
 
-RSV_API rsv_daylight_run_desc rsv_default_daylight_run_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_daylight_run_desc() is made of.
+RSV_API void rsv_daylight_run_desc_init(rsv_daylight_run_desc *desc, size_t size);
+static inline rsv_daylight_run_desc rsv_default_daylight_run_desc(void)
+{
+    rsv_daylight_run_desc desc;
+    rsv_daylight_run_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 typedef struct rsv_daylight_report {
     size_t sensor_count;

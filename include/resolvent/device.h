@@ -20,6 +20,7 @@ typedef enum rsv_device_kind {
 
 /// Start from rsv_default_device_desc().
 typedef struct rsv_device_desc {
+    size_t size; ///< of this structure; rsv_default_device_desc() sets it
     rsv_device_kind kind;
     /// Whether work that the device cannot do, because its memory is too small or because it fails, is done by the
     /// CPU with a warning. Otherwise it ends with an error.
@@ -33,7 +34,14 @@ typedef struct rsv_device_desc {
         capability; ///< emulated: the major compute capability it claims to have; 0 = none at all
 } rsv_device_desc;
 
-RSV_API rsv_device_desc rsv_default_device_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_device_desc() is made of.
+RSV_API void rsv_device_desc_init(rsv_device_desc *desc, size_t size);
+static inline rsv_device_desc rsv_default_device_desc(void)
+{
+    rsv_device_desc desc;
+    rsv_device_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 typedef struct rsv_device_info {
     char name[128];      ///< "NVIDIA H200"

@@ -21,6 +21,7 @@ typedef struct rsv_fit_wanted {
 
 /// Start from rsv_default_fit_desc().
 typedef struct rsv_fit_desc {
+    size_t size; ///< of this structure; rsv_default_fit_desc() sets it
     bool
         colors; ///< wanted are W/m2 of each channel, and each light gets a factor per channel; default lux, one factor
     bool at_least;          ///< readings may be above what is wanted
@@ -34,7 +35,14 @@ typedef struct rsv_fit_desc {
     uint32_t seed;
 } rsv_fit_desc;
 
-RSV_API rsv_fit_desc rsv_default_fit_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_fit_desc() is made of.
+RSV_API void rsv_fit_desc_init(rsv_fit_desc *desc, size_t size);
+static inline rsv_fit_desc rsv_default_fit_desc(void)
+{
+    rsv_fit_desc desc;
+    rsv_fit_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Lights that share a name and cannot be told apart, and those that only gather rays find, are one.
 typedef struct rsv_fit_light {

@@ -50,6 +50,7 @@ typedef enum rsv_frame_rest {
 
 /// Start from rsv_default_frame_desc().
 typedef struct rsv_frame_desc {
+    size_t size;            ///< of this structure; rsv_default_frame_desc() sets it
     uint32_t width, height; ///< of one eye's picture
     uint32_t eyes;          ///< pictures per frame that share everything but the camera: 1 or 2
     uint32_t path_depth;    ///< mirror and glass events along a camera ray at most; default 8
@@ -62,7 +63,14 @@ typedef struct rsv_frame_desc {
     uint32_t frames;
 } rsv_frame_desc;
 
-RSV_API rsv_frame_desc rsv_default_frame_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_frame_desc() is made of.
+RSV_API void rsv_frame_desc_init(rsv_frame_desc *desc, size_t size);
+static inline rsv_frame_desc rsv_default_frame_desc(void)
+{
+    rsv_frame_desc desc;
+    rsv_frame_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Milliseconds of the last frame, and its specular paths.
 typedef struct rsv_frame_stats {

@@ -40,6 +40,7 @@ typedef struct rsv_load_luminaire {
 } rsv_load_luminaire;
 
 typedef struct rsv_load_desc {
+    size_t size; ///< of this structure; rsv_default_load_desc() sets it
     /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
     /// theirs.
     float metres_per_unit;
@@ -69,7 +70,14 @@ typedef struct rsv_load_desc {
     bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 
-RSV_API rsv_load_desc rsv_default_load_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_load_desc() is made of.
+RSV_API void rsv_load_desc_init(rsv_load_desc *desc, size_t size);
+static inline rsv_load_desc rsv_default_load_desc(void)
+{
+    rsv_load_desc desc;
+    rsv_load_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Reads a scene and commits it: glTF 2.0 (.gltf, .glb), Wavefront (.obj with .mtl), Stanford (.ply),
 /// .fbx, COLLADA (.dae), .stl; by extension, and by content where that says nothing. docs/formats.md

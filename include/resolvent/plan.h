@@ -11,16 +11,25 @@ extern "C" {
 
 /// Start from rsv_default_plan_desc().
 typedef struct rsv_plan_desc {
+    size_t size; ///< of this structure; rsv_default_plan_desc() sets it
     /// Wanted RMS error of pixels, relative to what is around them (rsv_image_judgement.relative_mse is its square): 0.005 to 1,
     /// default 0.07. 0 = as good as there is time for.
     double relative_error;
     /// Seconds from the call on, by the clock: the picture is as good as fits into them, and depends on the machine then.
     /// INFINITY (default) = no limit: all follows from counts and is the same on every machine.
     double max_seconds;
-    rsv_solve_desc solve; ///< solver, seed and budgets; the plan chooses what else it says
+    /// Solver, seed and budgets; the plan chooses what else it says. Borrowed; NULL (default) = those of draft quality.
+    const rsv_solve_desc *solve;
 } rsv_plan_desc;
 
-RSV_API rsv_plan_desc rsv_default_plan_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_plan_desc() is made of.
+RSV_API void rsv_plan_desc_init(rsv_plan_desc *desc, size_t size);
+static inline rsv_plan_desc rsv_default_plan_desc(void)
+{
+    rsv_plan_desc desc;
+    rsv_plan_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// What was chosen, and what came of it.
 typedef struct rsv_picture_plan {

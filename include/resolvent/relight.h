@@ -51,6 +51,7 @@ RSV_API uint32_t rsv_light_find_source(const rsv_light *light, rsv_light_kind ki
 
 /// What is not named is as it was when relighting began.
 typedef struct rsv_relight_desc {
+    size_t size;                  ///< of this structure; rsv_default_relight_desc() sets it
     const rsv_light_scale *light; ///< [light_count]
     size_t light_count;
     const rsv_albedo_change *albedo; ///< [albedo_count]
@@ -62,6 +63,15 @@ typedef struct rsv_relight_desc {
     bool turn;      ///< whether the surroundings turn to `rotation`
     float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
+
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_relight_desc() is made of.
+RSV_API void rsv_relight_desc_init(rsv_relight_desc *desc, size_t size);
+static inline rsv_relight_desc rsv_default_relight_desc(void)
+{
+    rsv_relight_desc desc;
+    rsv_relight_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Changes a light and solves again: E0 is the sum of the sources' parts, each times its scale. The scene that it was made
 /// of stays as it is, as do other lights of it: rsv_light_scene says how this one has it from then on. The parts come from

@@ -23,6 +23,7 @@ typedef enum rsv_render_mode {
 
 /// Start from rsv_default_render_desc().
 typedef struct rsv_render_desc {
+    size_t size; ///< of this structure; rsv_default_render_desc() sets it
     rsv_render_mode mode;
     uint32_t width, height;
     uint32_t samples; ///< camera rays per pixel (box filter)
@@ -49,7 +50,14 @@ typedef struct rsv_render_desc {
     uint32_t seed;
 } rsv_render_desc;
 
-RSV_API rsv_render_desc rsv_default_render_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_render_desc() is made of.
+RSV_API void rsv_render_desc_init(rsv_render_desc *desc, size_t size);
+static inline rsv_render_desc rsv_default_render_desc(void)
+{
+    rsv_render_desc desc;
+    rsv_render_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Renders modes operator and final.
 RSV_API rsv_status rsv_render(
@@ -98,13 +106,21 @@ typedef struct rsv_probe_reading {
 
 /// How readings are taken.
 typedef struct rsv_probe_desc {
+    size_t size; ///< of this structure; rsv_default_probe_desc() sets it
     rsv_probe_mode mode;
     uint32_t
         samples; ///< gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups; default 4096
     uint32_t seed; ///< another set of random numbers; default 0
 } rsv_probe_desc;
 
-RSV_API rsv_probe_desc rsv_default_probe_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_probe_desc() is made of.
+RSV_API void rsv_probe_desc_init(rsv_probe_desc *desc, size_t size);
+static inline rsv_probe_desc rsv_default_probe_desc(void)
+{
+    rsv_probe_desc desc;
+    rsv_probe_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.
 /// @param desc copied @param probes [probe_count] @param readings [probe_count], out

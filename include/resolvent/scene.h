@@ -25,6 +25,7 @@ typedef enum rsv_wrap { RSV_WRAP_REPEAT, RSV_WRAP_MIRROR, RSV_WRAP_CLAMP } rsv_w
 
 /// A picture to be laid on surfaces. Texture coordinate (0, 0) is its upper left corner, v runs down.
 typedef struct rsv_texture_desc {
+    size_t size;            ///< of this structure; rsv_default_texture_desc() sets it
     const char *name;       ///< for messages; copied; NULL = "unnamed"
     uint32_t width, height; ///< 1..RSV_TEXTURE_MAX_SIDE
     uint32_t channel_count; ///< 1 = grey, 2 = grey and alpha, 3 = RGB, 4 = RGB and alpha
@@ -35,6 +36,15 @@ typedef struct rsv_texture_desc {
     rsv_wrap wrap_u, wrap_v;
     bool nearest; ///< seen from near, texels are squares; else they are blended
 } rsv_texture_desc;
+
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_texture_desc() is made of.
+RSV_API void rsv_texture_desc_init(rsv_texture_desc *desc, size_t size);
+static inline rsv_texture_desc rsv_default_texture_desc(void)
+{
+    rsv_texture_desc desc;
+    rsv_texture_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// What of a material a texture multiplies, and by which of its channels (as in glTF).
 typedef enum rsv_texture_role {
@@ -131,6 +141,7 @@ RSV_API const char *const *rsv_material_preset_names(void);
 
 /// Triangles in object space.
 typedef struct rsv_mesh_desc {
+    size_t size;               ///< of this structure; rsv_default_mesh_desc() sets it
     const char *name;          ///< for messages; copied
     const rsv_vec3 *positions; ///< [vertex_count]; copied
     const rsv_vec3 *normals;   ///< [vertex_count] or NULL = flat shading
@@ -148,6 +159,15 @@ typedef struct rsv_mesh_desc {
     /// two triangles share a vertex, in any pose.
     bool deforms;
 } rsv_mesh_desc;
+
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_mesh_desc() is made of.
+RSV_API void rsv_mesh_desc_init(rsv_mesh_desc *desc, size_t size);
+static inline rsv_mesh_desc rsv_default_mesh_desc(void)
+{
+    rsv_mesh_desc desc;
+    rsv_mesh_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 typedef enum rsv_punctual_light_kind {
     RSV_PUNCTUAL_POINT,
@@ -399,6 +419,7 @@ RSV_API uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name)
 
 /// Choices of a built-in scene. Start from rsv_default_builtin_desc().
 typedef struct rsv_builtin_desc {
+    size_t size; ///< of this structure; rsv_default_builtin_desc() sets it
     /// A committed scene whose triangles become the body of cornell-glass, cornell-marble (a dragon, say),
     /// cornell-plaster, cornell-showcase or character (a head, face towards +z), y up: scaled and shifted to stand where it belongs, and turned
     /// inside out if it faces inwards. Its materials, lights and cameras are left behind. Borrowed until the
@@ -408,7 +429,14 @@ typedef struct rsv_builtin_desc {
         body_triangles; ///< about as many in that body of our own; 100..20,000,000, default 60,000
 } rsv_builtin_desc;
 
-RSV_API rsv_builtin_desc rsv_default_builtin_desc(void);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_builtin_desc() is made of.
+RSV_API void rsv_builtin_desc_init(rsv_builtin_desc *desc, size_t size);
+static inline rsv_builtin_desc rsv_default_builtin_desc(void)
+{
+    rsv_builtin_desc desc;
+    rsv_builtin_desc_init(&desc, sizeof desc);
+    return desc;
+}
 
 /// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks, cornell-spheres,
 /// cornell-glass, cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces. Committed on return.

@@ -31,6 +31,7 @@ RSV_API const char *rsv_solver_name(rsv_solver solver);
 
 /// Start from rsv_default_solve_desc().
 typedef struct rsv_solve_desc {
+    size_t size; ///< of this structure; rsv_default_solve_desc() sets it
     uint32_t
         element_target; ///< wanted number of coarse elements; meshes finer than that keep theirs
     uint32_t rays_per_element; ///< gather rays of one row of G; a power of two, 64..4096
@@ -73,7 +74,14 @@ typedef struct rsv_solve_desc {
     const char *earlier;
 } rsv_solve_desc;
 
-RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
+/// Defaults, for a descriptor of `size` bytes: what rsv_default_solve_desc() is made of.
+RSV_API void rsv_solve_desc_init(rsv_solve_desc *desc, size_t size, rsv_quality quality);
+static inline rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
+{
+    rsv_solve_desc desc;
+    rsv_solve_desc_init(&desc, sizeof desc, quality);
+    return desc;
+}
 
 typedef enum rsv_stop_reason {
     RSV_STOP_CONVERGED,

@@ -22,13 +22,15 @@ rsv_status rsv_py_context_create(int thread_count, void *handle, rsv_py_user *us
 
 
 def declarations(compiler, include):
-    """What the headers declare, without what cffi does not read: attributes, and declarations of the system."""
+    """What the headers declare, without what cffi does not read: attributes, bodies of functions, and declarations
+    of the system."""
     with tempfile.TemporaryDirectory() as empty:
         for name in SYSTEM_HEADERS:
             pathlib.Path(empty, name).touch()
         source = subprocess.run(
             [compiler, "-E", "-P", "-nostdinc", "-U__GNUC__", "-I", empty, "-I", include, "-x", "c", "-"],
             input=b"#include <resolvent/resolvent.h>\n", stdout=subprocess.PIPE, check=True).stdout.decode()
+    source = re.sub(r"static inline ([^{;]*\))\s*\{.*?\n\}", r"\1;", source, flags=re.DOTALL)  # functions of the headers alone
     source = re.sub(r"__attribute__\(\(.*?\)\)(?=[\s;])", "", source)
     return re.sub(r"\bconst\s+(\w+)\s*\(\s*\*", r"\1 (*", source)  # pointers to constant arrays
 

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void *take(void *user, size_t bytes)
 {
@@ -35,8 +34,7 @@ static rsv_status add_square(
     const uint32_t triangles[6] = { 0, 1, 2, 0, 2, 3 };
     const float place[16] = { 1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, 0, y, z, 1 };
     uint32_t mesh;
-    rsv_mesh_desc desc;
-    memset(&desc, 0, sizeof desc);
+    rsv_mesh_desc desc = rsv_default_mesh_desc();
     desc.positions = corner;
     desc.vertex_count = 4;
     desc.indices = triangles;

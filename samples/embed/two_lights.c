@@ -2,14 +2,12 @@
 #include <resolvent/resolvent.h>
 
 #include <stdio.h>
-#include <string.h>
 
 /// Scales the lamp of `light`; the other lighting stays as it is.
 static rsv_status dim(rsv_light *light, const char *lamp, float factor)
 {
     rsv_light_scale scale = { lamp, { factor, factor, factor } };
-    rsv_relight_desc relight;
-    memset(&relight, 0, sizeof relight);
+    rsv_relight_desc relight = rsv_default_relight_desc();
     relight.light = &scale;
     relight.light_count = 1;
     return rsv_light_relight(light, &relight);

@@ -1,4 +1,5 @@
 /// Targets by name.
+#include "../core/descriptor.h"
 #include "bake_basis.h"
 #include "bake_desc.h"
 #include "bake_sky.h"
@@ -55,9 +56,8 @@ rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *out
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
     const rsv_bake_target *target = find_target(name);
-    rsv_bake_desc defaults = rsv_default_bake_desc();
+    rsv_bake_desc settings = rsv_default_bake_desc();
     rsv_bake_report unread;
-    if (!desc) desc = &defaults;
     if (!report) report = &unread;
     *report = (rsv_bake_report){ 0 };
     if (!target) return rsv_fail(RSV_ERROR_ARGUMENT, "bake: there is no target '%s'", name);
@@ -66,11 +66,12 @@ rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *out
             RSV_ERROR_ARGUMENT, "bake: '%s' does not end in %s", output, target->extension);
     rsv_status status;
     const rsv_light_view *light = rsv_light_get_view(solution);
-    RSV_TRY(rsv_bake_check_desc(desc));
-    if (desc->sky) RSV_TRY(rsv_bake_check_sky(light));
-    RSV_TRY(rsv_bake_check_lights(light, desc));
-    RSV_TRY(target->write(light, desc, output, report));
-    if (desc->sky && !desc->dry_run) RSV_TRY(rsv_bake_write_sky(light, output));
+    RSV_TRY(RSV_READ_DESC(rsv_bake_desc, &settings, desc));
+    RSV_TRY(rsv_bake_check_desc(&settings));
+    if (settings.sky) RSV_TRY(rsv_bake_check_sky(light));
+    RSV_TRY(rsv_bake_check_lights(light, &settings));
+    RSV_TRY(target->write(light, &settings, output, report));
+    if (settings.sky && !settings.dry_run) RSV_TRY(rsv_bake_write_sky(light, output));
 cleanup:
     return status;
 }

@@ -1,15 +1,18 @@
 #include "bake_desc.h"
+#include "../core/descriptor.h"
 
 #include "../core/core.h"
 
-rsv_bake_desc rsv_default_bake_desc(void)
+void rsv_bake_desc_init(rsv_bake_desc *desc, size_t size)
 {
-    return (rsv_bake_desc){ .tolerance = 0.02f,
+    const rsv_bake_desc defaults = { .size = sizeof defaults,
+        .tolerance = 0.02f,
         .error = 0.01f,
         .padding = 2,
         .keep_uv = true,
         .turns = 1,
         .probe_samples = 64 };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)

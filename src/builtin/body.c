@@ -70,7 +70,8 @@ static rsv_status place(rsv_scene *scene, const rsv_body *body, const triangles 
     rsv_vec3 low, high;
     float transform[16];
     uint32_t id;
-    rsv_mesh_desc mesh = { .name = body->name,
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = body->name,
         .positions = t->position,
         .normals = t->normal,
         .vertex_count = t->vertex_count,

@@ -1,4 +1,5 @@
 #include "builtin.h"
+#include "../core/descriptor.h"
 
 #include "../core/number_text.h"
 
@@ -36,9 +37,10 @@ static const struct {
 
 const char *const *rsv_scene_builtin_names(void) { return builtin_names; }
 
-rsv_builtin_desc rsv_default_builtin_desc(void)
+void rsv_builtin_desc_init(rsv_builtin_desc *desc, size_t size)
 {
-    return (rsv_builtin_desc){ .body_triangles = 60000 };
+    const rsv_builtin_desc defaults = { .size = sizeof defaults, .body_triangles = 60000 };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 /// Index of the scene that `name`, up to its size, names; of the NULL at the end if there is none.
@@ -94,21 +96,21 @@ rsv_status rsv_scene_builtin_with(
 {
     rsv_status status;
     rsv_scene *built = NULL;
-    const rsv_builtin_desc defaults = rsv_default_builtin_desc();
+    rsv_builtin_desc settings = rsv_default_builtin_desc();
     size_t i = find_builtin(name);
-    if (!desc) desc = &defaults;
+    RSV_TRY(RSV_READ_DESC(rsv_builtin_desc, &settings, desc));
     if (!builtin_names[i])
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "there is no built-in scene '%s'; use cornell-blocks, cornell-spheres, cornell-glass, "
             "cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, "
             "gallery or terraces",
             name);
-    if (desc->body_triangles < 100 || desc->body_triangles > 20000000)
+    if (settings.body_triangles < 100 || settings.body_triangles > 20000000)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "a body of %zu triangles is not possible; ask for 100 to 20,000,000",
-            desc->body_triangles);
+            settings.body_triangles);
     RSV_TRY(rsv_scene_create(context, &built));
-    RSV_TRY(generate(i, name, desc, built));
+    RSV_TRY(generate(i, name, &settings, built));
     RSV_TRY(rsv_scene_commit(built));
     *scene = built;
     return RSV_OK;

@@ -162,7 +162,8 @@ static rsv_status add_meshes(rsv_scene *scene, const terraces *t)
         const growing_mesh *m = &t->mesh[k];
         if (m->index_count == 0) continue;
         uint32_t id;
-        rsv_mesh_desc mesh = { .name = name[k],
+        rsv_mesh_desc mesh = { .size = sizeof mesh,
+            .name = name[k],
             .positions = m->position,
             .normals = m->normal,
             .vertex_count = m->vertex_count,

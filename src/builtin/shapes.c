@@ -17,9 +17,11 @@ cleanup:
 rsv_status rsv_add_quad(rsv_shape shape, const rsv_vec3 corner[4])
 {
     static const uint32_t index[] = { 0, 1, 2, 0, 2, 3 };
-    return add_shape(
-        shape, (rsv_mesh_desc){
-                   .positions = corner, .vertex_count = 4, .indices = index, .triangle_count = 2 });
+    return add_shape(shape, (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                                .positions = corner,
+                                .vertex_count = 4,
+                                .indices = index,
+                                .triangle_count = 2 });
 }
 
 /// Corners 0-3 are the bottom, counter-clockwise seen from above, 4-7 the top. The bottom face comes
@@ -34,7 +36,8 @@ rsv_status rsv_add_block(rsv_shape shape, const float footprint[4][2], float bot
         corner[i] = v3(footprint[i][0], bottom, footprint[i][1]);
         corner[i + 4] = v3(footprint[i][0], top, footprint[i][1]);
     }
-    return add_shape(shape, (rsv_mesh_desc){ .positions = corner,
+    return add_shape(shape, (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                                .positions = corner,
                                 .vertex_count = 8,
                                 .indices = box_outwards,
                                 .triangle_count = 10 });
@@ -51,7 +54,8 @@ rsv_status rsv_add_box(rsv_shape shape, rsv_vec3 low, rsv_vec3 high)
 {
     rsv_vec3 corner[8];
     box_corners(low, high, corner);
-    return add_shape(shape, (rsv_mesh_desc){ .positions = corner,
+    return add_shape(shape, (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                                .positions = corner,
                                 .vertex_count = 8,
                                 .indices = box_outwards,
                                 .triangle_count = 12 });
@@ -64,9 +68,11 @@ rsv_status rsv_add_room(rsv_shape shape, rsv_vec3 low, rsv_vec3 high)
     box_corners(low, high, corner);
     for (int i = 0; i < 36; i++)
         inwards[i] = box_outwards[35 - i];
-    return add_shape(shape,
-        (rsv_mesh_desc){
-            .positions = corner, .vertex_count = 8, .indices = inwards, .triangle_count = 12 });
+    return add_shape(shape, (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                                .positions = corner,
+                                .vertex_count = 8,
+                                .indices = inwards,
+                                .triangle_count = 12 });
 }
 
 /// A geodesic sphere while it grows. Each edge's midpoint is found again through a hash table, so
@@ -156,7 +162,8 @@ rsv_status rsv_add_sphere(rsv_shape shape, rsv_vec3 centre, float radius, int le
         subdivide(&sphere);
     for (size_t i = 0; i < vertex_count; i++)
         position[i] = v3_mad(centre, radius, sphere.direction[i]);
-    status = add_shape(shape, (rsv_mesh_desc){ .positions = position,
+    status = add_shape(shape, (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                                  .positions = position,
                                   .normals = sphere.direction,
                                   .vertex_count = vertex_count,
                                   .indices = sphere.index,

@@ -1,3 +1,4 @@
+#include "../core/descriptor.h"
 #include "resolvent/certify.h"
 
 #include "../core/parallel.h"
@@ -23,14 +24,12 @@ typedef struct examination {
     rsv_certificate *certificate;
 } examination;
 
-rsv_certify_desc rsv_default_certify_desc(void)
+void rsv_certify_desc_init(rsv_certify_desc *desc, size_t size)
 {
-    return (rsv_certify_desc){ .samples = 2048, .gather_rays = 512, .light_samples = 64 };
-}
-
-rsv_certify_desc rsv_brief_certify_desc(void)
-{
-    return (rsv_certify_desc){ .samples = 128, .gather_rays = 256, .light_samples = 32 };
+    const rsv_certify_desc defaults = {
+        .size = sizeof defaults, .samples = 2048, .gather_rays = 512, .light_samples = 64
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static bool is_finite(const rsv_residual *r)
@@ -316,10 +315,9 @@ rsv_status rsv_examine(const rsv_light_view *solution, const rsv_certify_desc *d
     rsv_certificate *certificate, rsv_error_field *field)
 {
     double start = rsv_seconds();
-    examination x = { .solution = solution,
-        .desc = desc ? *desc : rsv_default_certify_desc(),
-        .field = field,
-        .certificate = certificate };
+    examination x = {
+        .solution = solution, .desc = *desc, .field = field, .certificate = certificate
+    };
     *field = (rsv_error_field){ 0 };
     rsv_status status = rsv_check_certify_desc(&x.desc);
     if (status != RSV_OK) return status;
@@ -335,7 +333,10 @@ rsv_status rsv_certify(
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_error_field field;
-    rsv_status status = rsv_examine(solution, desc, certificate, &field);
+    rsv_certify_desc settings = rsv_default_certify_desc();
+    rsv_status status = RSV_READ_DESC(rsv_certify_desc, &settings, desc);
+    if (status != RSV_OK) return status;
+    status = rsv_examine(solution, &settings, certificate, &field);
     rsv_error_field_destroy(solution->context, &field);
     return status;
 }

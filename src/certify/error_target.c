@@ -1,4 +1,5 @@
 /// Refinement until the certificate is content.
+#include "../core/descriptor.h"
 #include "../core/sampling.h"
 #include "../core/team.h"
 #include "resolvent/certify.h"
@@ -7,6 +8,8 @@
 
 /// Rounds aim this far below the target, so that the interval fits below it too.
 #define AIM 0.75
+/// What is wanted where nothing is said.
+#define DEFAULT_ERROR 0.05
 /// A round multiplies elements and samples by the first of these at most, by a later one where time is short.
 static const double largest_step[] = { 4, 2, 1.25 };
 enum { STEPS = 3 };
@@ -58,12 +61,14 @@ typedef struct pursuit {
     double direct_size; ///< likewise its direct elements
 } pursuit;
 
-rsv_error_target rsv_default_error_target(double relative_error)
+void rsv_error_target_init(rsv_error_target *desc, size_t size, double relative_error)
 {
-    return (rsv_error_target){ .relative_error = relative_error,
+    const rsv_error_target defaults = { .size = sizeof defaults,
+        .relative_error = relative_error,
         .max_elements = 5000000,
         .max_seconds = INFINITY,
         .max_rounds = 8 };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static rsv_status check_target(const rsv_error_target *target)
@@ -342,15 +347,18 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
     rsv_error_stop *stop)
 {
     rsv_status status;
+    rsv_error_target wanted = rsv_default_error_target(DEFAULT_ERROR);
     pursuit p = { .scene = scene,
-        .target = target,
+        .target = &wanted,
         .context = rsv_scene_get_context(scene),
         .started = rsv_seconds(),
-        .desc = start ? *start : rsv_default_solve_desc(RSV_QUALITY_DRAFT),
+        .desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT),
         .certify = rsv_default_certify_desc(),
         .certificate = certificate };
+    RSV_TRY(RSV_READ_DESC(rsv_solve_desc, &p.desc, start));
+    RSV_TRY(RSV_READ_DESC(rsv_error_target, &wanted, target));
+    RSV_TRY(check_target(&wanted));
     p.certify.seed = p.desc.seed;
-    RSV_TRY(check_target(target));
     do {
         RSV_TRY(build_round(&p));
         plan_round(&p);

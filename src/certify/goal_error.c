@@ -1,4 +1,5 @@
 /// <z, r>: the error of one picture or of sensors' mean reading, from residuals where they matter to it.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../solve/goal.h"
 #include "moments.h"
@@ -138,8 +139,9 @@ static rsv_status certify_aim(const rsv_light_view *s, const rsv_certify_desc *d
     const rsv_goal_aim *aim, rsv_goal_certificate *certificate)
 {
     rsv_status status;
-    goal_job job = { .solution = s, .desc = desc ? *desc : rsv_default_certify_desc() };
+    goal_job job = { .solution = s, .desc = rsv_default_certify_desc() };
     *certificate = (rsv_goal_certificate){ 0 };
+    RSV_TRY(RSV_READ_DESC(rsv_certify_desc, &job.desc, desc));
     RSV_TRY(rsv_check_certify_desc(&job.desc));
     RSV_TRY(rsv_light_refuse_fog(s, "the error of one picture or of readings"));
     if (s->elements->cell_count == 0) return RSV_OK;

@@ -1,5 +1,6 @@
 /// Where the error is, as a picture: the estimate of e^2 at one surface point per pixel, averaged over its neighbours on
 /// the same surface.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/srgb.h"
 #include "../render/camera_path.h"
@@ -41,9 +42,12 @@ typedef struct brightest_end {
     float weight;
 } brightest_end;
 
-rsv_heat_map_desc rsv_default_heat_map_desc(void)
+void rsv_heat_map_desc_init(rsv_heat_map_desc *desc, size_t size)
 {
-    return (rsv_heat_map_desc){ .width = 256, .height = 256, .gather_rays = 128 };
+    const rsv_heat_map_desc defaults = {
+        .size = sizeof defaults, .width = 256, .height = 256, .gather_rays = 128
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static void keep_brightest(void *user, const rsv_specular_path *path, rsv_rgb weight)
@@ -227,13 +231,13 @@ rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify_desc *c
 {
     const rsv_light_view *s = rsv_light_get_view(light);
     rsv_status status;
-    rsv_certify_desc sampling = certify ? *certify : rsv_default_certify_desc();
+    rsv_certify_desc sampling = rsv_default_certify_desc();
     rsv_error_field field = { 0 };
     rsv_image *image = NULL;
-    heat_job job = { .solution = s,
-        .field = &field,
-        .desc = desc ? *desc : rsv_default_heat_map_desc(),
-        .seed = rsv_hash2(sampling.seed, SEED_OF_PIXELS) };
+    heat_job job = { .solution = s, .field = &field, .desc = rsv_default_heat_map_desc() };
+    RSV_TRY(RSV_READ_DESC(rsv_certify_desc, &sampling, certify));
+    RSV_TRY(RSV_READ_DESC(rsv_heat_map_desc, &job.desc, desc));
+    job.seed = rsv_hash2(sampling.seed, SEED_OF_PIXELS);
     RSV_TRY(check_desc(s, &job.desc));
     RSV_TRY(rsv_examine(s, &sampling, certificate, &field));
     job.residual = rsv_residual_job_of(s, job.desc.gather_rays, sampling.light_samples);

@@ -1,4 +1,5 @@
 #include "core.h"
+#include "descriptor.h"
 #include "device.h"
 #include "team.h"
 
@@ -67,11 +68,17 @@ static void default_release(void *user, void *memory)
     free(memory);
 }
 
-rsv_context_desc rsv_default_context_desc(void) { return (rsv_context_desc){ 0 }; }
+void rsv_context_desc_init(rsv_context_desc *desc, size_t size)
+{
+    const rsv_context_desc defaults = { .size = sizeof defaults };
+    rsv_desc_fill(desc, size, &defaults);
+}
 
 rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **context)
 {
-    rsv_context_desc settings = desc ? *desc : rsv_default_context_desc();
+    rsv_context_desc settings = rsv_default_context_desc();
+    rsv_status status = RSV_READ_DESC(rsv_context_desc, &settings, desc);
+    if (status != RSV_OK) return status;
     if ((settings.allocate == NULL) != (settings.release == NULL))
         return rsv_fail(RSV_ERROR_ARGUMENT, "context: set both allocate and release, or neither");
     if (settings.thread_count < 0 || settings.thread_count > 1024)

@@ -1,10 +1,15 @@
 #include "device.h"
+#include "descriptor.h"
 
 #include "core.h"
 
 #include <dlfcn.h>
 
-rsv_device_desc rsv_default_device_desc(void) { return (rsv_device_desc){ 0 }; }
+void rsv_device_desc_init(rsv_device_desc *desc, size_t size)
+{
+    const rsv_device_desc defaults = { .size = sizeof defaults };
+    rsv_desc_fill(desc, size, &defaults);
+}
 
 typedef struct plug_in {
     const char *file, *need;
@@ -20,7 +25,12 @@ static const plug_in plug_ins[] = {
 rsv_status rsv_device_open(const rsv_device_desc *desc, rsv_device **device)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES] = "";
-    const plug_in *p = &plug_ins[desc->kind];
+    rsv_device_desc settings = rsv_default_device_desc();
+    rsv_status status = RSV_READ_DESC(rsv_device_desc, &settings, desc);
+    if (status != RSV_OK) return status;
+    if ((unsigned)settings.kind >= sizeof plug_ins / sizeof *plug_ins)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "device: there is no kind %d", (int)settings.kind);
+    const plug_in *p = &plug_ins[settings.kind];
     void *library = dlopen(p->file, RTLD_NOW | RTLD_LOCAL);
     if (!library)
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: it needs the plug-in %s, %s: %s", p->file,
@@ -29,7 +39,7 @@ rsv_status rsv_device_open(const rsv_device_desc *desc, rsv_device **device)
     if (!open)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "device: %s belongs to another version of this program; install it again", p->file);
-    rsv_status status = open(rsv_version(), desc, device, message);
+    status = open(rsv_version(), &settings, device, message);
     return status == RSV_OK ? RSV_OK : rsv_fail(status, "device: %s", message);
 }
 

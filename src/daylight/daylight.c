@@ -1,16 +1,19 @@
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "importance.h"
 
 #include <string.h>
 
-rsv_daylight_desc rsv_default_daylight_desc(rsv_quality quality)
+void rsv_daylight_desc_init(rsv_daylight_desc *desc, size_t size, rsv_quality quality)
 {
     static const uint32_t sensor_rays[] = { 15360, 61440, 245760 }, node_rays[] = { 240, 480, 960 };
     int q = quality > RSV_QUALITY_HIGH ? RSV_QUALITY_HIGH : (int)quality;
-    return (rsv_daylight_desc){ .ground_albedo = 0.2f,
+    const rsv_daylight_desc defaults = { .size = sizeof defaults,
+        .ground_albedo = 0.2f,
         .subdivision = 4,
         .sensor_rays = sensor_rays[q],
         .node_rays = node_rays[q] };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static rsv_status check_desc(const rsv_probe *sensor, size_t count, const rsv_daylight_desc *desc)
@@ -145,8 +148,10 @@ rsv_status rsv_daylight_create(const rsv_light *light, const rsv_probe *sensor, 
     const rsv_daylight_desc *desc, rsv_daylight **daylight)
 {
     const rsv_light_view *view = rsv_light_get_view(light);
-    rsv_status status = check_desc(sensor, count, desc);
+    rsv_daylight_desc settings = rsv_default_daylight_desc(RSV_QUALITY_MEDIUM);
+    rsv_status status = RSV_READ_DESC(rsv_daylight_desc, &settings, desc);
     *daylight = NULL;
+    if (status == RSV_OK) status = check_desc(sensor, count, &settings);
     if (status == RSV_OK && view->scene.view->fog)
         status = rsv_fail(
             RSV_ERROR_UNSUPPORTED, "daylight: fog is not supported; remove it from the scene");
@@ -155,10 +160,10 @@ rsv_status rsv_daylight_create(const rsv_light *light, const rsv_probe *sensor, 
     if (!d) return RSV_ERROR_MEMORY;
     d->context = view->context;
     d->light = view;
-    d->desc = *desc;
-    d->patches = rsv_sky_patches_of(desc->subdivision);
-    d->north[0] = cos(desc->north * M_PI / 180);
-    d->north[1] = sin(desc->north * M_PI / 180);
+    d->desc = settings;
+    d->patches = rsv_sky_patches_of(settings.subdivision);
+    d->north[0] = cos(settings.north * M_PI / 180);
+    d->north[1] = sin(settings.north * M_PI / 180);
     d->sensor_count = count;
     RSV_TRY(reserve(d, sensor));
     RSV_TRY(find_coefficients(d));

@@ -1,13 +1,17 @@
 /// A weather file's hours at all sensors.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "figures.h"
 #include "shades.h"
 
 #include <string.h>
 
-rsv_daylight_run_desc rsv_default_daylight_run_desc(void)
+void rsv_daylight_run_desc_init(rsv_daylight_run_desc *desc, size_t size)
 {
-    return (rsv_daylight_run_desc){ .from = 8, .to = 18, .shade_lux = 1000, .shade_share = 0.02 };
+    const rsv_daylight_run_desc defaults = {
+        .size = sizeof defaults, .from = 8, .to = 18, .shade_lux = 1000, .shade_share = 0.02
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 /// A run of one weather file.
@@ -156,14 +160,16 @@ static rsv_status find_room_figures(const run_job *job, float *value, rsv_daylig
 rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     const rsv_daylight_run_desc *desc, rsv_daylight_report *report)
 {
-    run_job job = { .daylight = d, .desc = desc };
+    rsv_daylight_run_desc settings = rsv_default_daylight_run_desc();
+    run_job job = { .daylight = d, .desc = &settings };
     float *value = NULL;
     rsv_status status;
     *report = (rsv_daylight_report){ .sensor_count = d->sensor_count };
-    for (size_t k = 0; desc->hourly && k < weather->count * d->sensor_count; k++)
-        desc->hourly[k] = 0;
-    RSV_TRY(rsv_shades_check(d, desc));
-    RSV_TRY(rsv_year_create(d, weather, desc, &job.year));
+    RSV_TRY(RSV_READ_DESC(rsv_daylight_run_desc, &settings, desc));
+    for (size_t k = 0; settings.hourly && k < weather->count * d->sensor_count; k++)
+        settings.hourly[k] = 0;
+    RSV_TRY(rsv_shades_check(d, &settings));
+    RSV_TRY(rsv_year_create(d, weather, &settings, &job.year));
     RSV_TRY(lower_shades(&job, report));
     job.figures = rsv_alloc(d->context, d->sensor_count, sizeof *job.figures);
     value = rsv_alloc(d->context, d->sensor_count, sizeof *value);

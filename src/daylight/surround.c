@@ -1,5 +1,6 @@
 /// The mean sky of a year, as surroundings of a scene.
 #include "../core/core.h"
+#include "../core/descriptor.h"
 #include "daylight.h"
 
 enum { width = 192, height = 96, subdivision = 2 };
@@ -51,17 +52,20 @@ rsv_status rsv_daylight_surround(
     rsv_scene *scene, const rsv_weather *weather, const rsv_daylight_desc *desc)
 {
     rsv_context *context = rsv_scene_get_context(scene);
+    rsv_daylight_desc settings = rsv_default_daylight_desc(RSV_QUALITY_MEDIUM);
+    rsv_status status = RSV_READ_DESC(rsv_daylight_desc, &settings, desc);
+    if (status != RSV_OK) return status;
     rsv_daylight frame = { .patches = rsv_sky_patches_of(subdivision),
-        .north = { cos(desc->north * M_PI / 180), sin(desc->north * M_PI / 180) } };
+        .north = { cos(settings.north * M_PI / 180), sin(settings.north * M_PI / 180) } };
     double hours = 0;
-    rsv_status status = RSV_ERROR_MEMORY;
+    status = RSV_ERROR_MEMORY;
     rsv_rgb *pixel = rsv_alloc(context, (size_t)width * height, sizeof *pixel);
     double *sum = rsv_alloc(context, frame.patches.count, sizeof *sum);
     float *luminance = rsv_alloc(context, frame.patches.count, sizeof *luminance);
     if (!pixel || !sum || !luminance) goto cleanup;
     for (size_t k = 0; k < weather->count; k++)
         hours += weather->hour[k].hours;
-    add_hours(weather, &frame.patches, (double)desc->ground_albedo, luminance, sum);
+    add_hours(weather, &frame.patches, (double)settings.ground_albedo, luminance, sum);
     paint(&frame, sum, hours > 0 ? hours : 1, pixel);
     rsv_environment sky = { "mean sky", pixel, width, height, 1, 0 };
     status = rsv_scene_set_environment(scene, &sky);

@@ -1,3 +1,4 @@
+#include "../core/descriptor.h"
 #include "bounded.h"
 #include "readings.h"
 
@@ -26,9 +27,12 @@ struct rsv_fit {
     rsv_fit_report report;
 };
 
-rsv_fit_desc rsv_default_fit_desc(void)
+void rsv_fit_desc_init(rsv_fit_desc *desc, size_t size)
 {
-    return (rsv_fit_desc){ .highest = 1, .saving = 1e-6, .samples = 512 };
+    const rsv_fit_desc defaults = {
+        .size = sizeof defaults, .highest = 1, .saving = 1e-6, .samples = 512
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static double seconds(void)
@@ -244,16 +248,17 @@ rsv_status rsv_fit_create(const rsv_light *light, const rsv_fit_wanted *wanted, 
     const rsv_light_view *view = rsv_light_get_view(light);
     rsv_fit *f = rsv_alloc(view->context, 1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
-    *f = (rsv_fit){ .context = view->context, .desc = *desc, .count = count };
+    *f = (rsv_fit){ .context = view->context, .desc = rsv_default_fit_desc(), .count = count };
     double started = seconds();
-    RSV_TRY(check_desc(desc));
+    RSV_TRY(RSV_READ_DESC(rsv_fit_desc, &f->desc, desc));
+    RSV_TRY(check_desc(&f->desc));
     if (!count) RSV_TRY(rsv_fail(RSV_ERROR_ARGUMENT, "fit: there are no target readings"));
     RSV_TRY(take_wanted(f, wanted));
     RSV_TRY(rsv_light_responses_create(light, &f->responses));
     RSV_TRY(find_lights(f));
     f->reading = rsv_alloc(f->context, count * f->responses->count, sizeof *f->reading);
     RSV_TRY(f->reading ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_fit_read(view, f->responses, wanted, count, desc, f->reading));
+    RSV_TRY(rsv_fit_read(view, f->responses, wanted, count, &f->desc, f->reading));
     f->report.time_readings = seconds() - started;
     RSV_TRY(fit_all(f));
     *fit = f;

@@ -1,3 +1,4 @@
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
@@ -33,14 +34,16 @@ struct rsv_frame_renderer {
     bool on_device;           ///< the last frame is there
 };
 
-rsv_frame_desc rsv_default_frame_desc(void)
+void rsv_frame_desc_init(rsv_frame_desc *desc, size_t size)
 {
-    return (rsv_frame_desc){ .width = 1280,
+    const rsv_frame_desc defaults = { .size = sizeof defaults,
+        .width = 1280,
         .height = 720,
         .eyes = 1,
         .path_depth = 8,
         .seed = 1,
         .gloss = RSV_GLOSS_REUSED };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 // ---- creation -----------------------------------------------------------------------------------
@@ -199,8 +202,9 @@ rsv_status rsv_frame_renderer_create(
     const rsv_light *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
-    rsv_frame_desc settings = desc ? *desc : rsv_default_frame_desc();
-    rsv_status status = check_desc(&settings);
+    rsv_frame_desc settings = rsv_default_frame_desc();
+    rsv_status status = RSV_READ_DESC(rsv_frame_desc, &settings, desc);
+    if (status == RSV_OK) status = check_desc(&settings);
     if (status != RSV_OK) return status;
     rsv_frame_renderer *r = rsv_alloc(solution->context, 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;

@@ -1,4 +1,5 @@
 /// Mode operator as a sum of frames.
+#include "../core/descriptor.h"
 #include "../core/team.h"
 #include "../solve/light.h"
 #include "../trace/backs.h"
@@ -69,7 +70,10 @@ cleanup:
 rsv_status rsv_render_operator(
     const rsv_light *light, const rsv_render_desc *desc, rsv_frame_gloss gloss, rsv_image **image)
 {
-    if (!is_for_frames(rsv_light_get_view(light), desc, gloss))
-        return rsv_render(light, desc, image);
-    return render_picture(light, desc, gloss, image);
+    rsv_render_desc settings = rsv_default_render_desc();
+    rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, desc);
+    if (status != RSV_OK) return status;
+    if (!is_for_frames(rsv_light_get_view(light), &settings, gloss))
+        return rsv_render(light, &settings, image);
+    return render_picture(light, &settings, gloss, image);
 }

@@ -129,7 +129,8 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
     RSV_TRY(copy_positions(source, name, position));
     size_t triangles = copy_triangles(source, index);
     if (triangles == 0) goto cleanup;
-    rsv_mesh_desc mesh = { .name = name,
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = name,
         .positions = position,
         .normals = (const rsv_vec3 *)source->mNormals,
         .uvs = { (const float(*)[2])uv[0], (const float(*)[2])uv[1] },

@@ -1,5 +1,6 @@
 /// From an animated glTF file to scenes at its moments.
 #include "../core/core.h"
+#include "../core/descriptor.h"
 #include "../scene/moment.h"
 #include "gltf_pose.h"
 #include "resolvent/animation.h"
@@ -53,9 +54,10 @@ rsv_status rsv_animation_open(
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_animation *a = rsv_alloc(context, 1, sizeof *a);
     if (!a) return status;
-    *a = (rsv_animation){ .context = context, .desc = desc ? *desc : rsv_default_load_desc() };
+    *a = (rsv_animation){ .context = context, .desc = rsv_default_load_desc() };
+    RSV_TRY(RSV_READ_DESC(rsv_load_desc, &a->desc, desc));
     a->path = rsv_copy_string(context, path);
-    if (a->desc.variant) a->desc.variant = a->variant = rsv_copy_string(context, desc->variant);
+    if (a->desc.variant) a->desc.variant = a->variant = rsv_copy_string(context, a->desc.variant);
     RSV_TRY(a->path && (a->variant || !a->desc.variant) ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(open_file(a, path));
     RSV_TRY(read_clips(a));

@@ -94,7 +94,8 @@ static rsv_status add_geometry(reader *r, const rsv_gltf_geometry *g, const char
         rsv_log(r->context, RSV_LOG_WARNING,
             "mesh '%s': the last %zu indices do not form a whole triangle and are ignored", owner,
             g->index_count % 3);
-    const rsv_mesh_desc mesh = { .name = owner,
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = owner,
         .positions = g->position,
         .normals = g->normal,
         .uvs = { (const float(*)[2])g->uv[0], (const float(*)[2])g->uv[1] },

@@ -308,7 +308,8 @@ rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *
     warn_of_losses(r, path);
     RSV_TRY(rsv_add_bare_material(scene, &material));
     RSV_TRY(rsv_add_bare_mesh(scene, desc, r->origin, has_single_places(&r->header),
-        (rsv_mesh_desc){ .name = "unnamed",
+        (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+            .name = "unnamed",
             .positions = r->position,
             .normals = r->normal,
             .vertex_count = r->vertex_count,

@@ -1,4 +1,5 @@
 /// Which reader a file goes to.
+#include "../core/descriptor.h"
 #include "../scene/scene.h"
 #include "file_source.h"
 #include "scene_read.h"
@@ -9,11 +10,14 @@
 #include <string.h>
 #include <strings.h>
 
-rsv_load_desc rsv_default_load_desc(void)
+void rsv_load_desc_init(rsv_load_desc *desc, size_t size)
 {
-    return (rsv_load_desc){
-        .metres_per_unit = 1, .up = RSV_AXIS_Y, .crease_angle = 0.785398163f, .keep_document = true
-    };
+    const rsv_load_desc defaults = { .size = sizeof defaults,
+        .metres_per_unit = 1,
+        .up = RSV_AXIS_Y,
+        .crease_angle = 0.785398163f,
+        .keep_document = true };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static rsv_file_kind kind_of_extension(const char *path)
@@ -103,8 +107,9 @@ rsv_status rsv_scene_load_with(
     rsv_status status;
     rsv_scene *loaded = NULL;
     rsv_file_kind kind;
-    const rsv_load_desc defaults = rsv_default_load_desc();
-    if (!desc) desc = &defaults;
+    rsv_load_desc settings = rsv_default_load_desc();
+    RSV_TRY(RSV_READ_DESC(rsv_load_desc, &settings, desc));
+    desc = &settings;
     RSV_TRY(check_desc(desc));
     RSV_TRY(rsv_find_file_kind(desc->files, path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
@@ -140,7 +145,9 @@ rsv_status rsv_scene_load_memory(rsv_context *context, const char *name, const v
 {
     rsv_known_files known = { .file = { { name, bytes, count } }, .count = 1 };
     const rsv_file_source source = rsv_known_source(&known);
-    rsv_load_desc with = desc ? *desc : rsv_default_load_desc();
+    rsv_load_desc with = rsv_default_load_desc();
+    rsv_status status = RSV_READ_DESC(rsv_load_desc, &with, desc);
+    if (status != RSV_OK) return status;
     with.files = &source;
     return rsv_scene_load_with(context, name, &with, scene);
 }

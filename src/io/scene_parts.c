@@ -248,7 +248,8 @@ static rsv_status receive_material(parcel *p, const part_head *head, const char 
 
 static rsv_status receive_mesh(parcel *p, const part_head *head, const char *name)
 {
-    rsv_mesh_desc mesh = { .name = name,
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = name,
         .vertex_count = (size_t)head->vertex_count,
         .triangle_count = (size_t)head->triangle_count,
         .material = head->number };

@@ -63,7 +63,8 @@ static rsv_status end_solid(stl_reader *r)
     for (size_t i = 0; i < count; i++)
         index[i] = (uint32_t)i;
     RSV_TRY(rsv_add_bare_mesh(r->scene, r->desc, origin, r->in_single,
-        (rsv_mesh_desc){ .name = *r->name ? r->name : "unnamed",
+        (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+            .name = *r->name ? r->name : "unnamed",
             .positions = position,
             .vertex_count = count,
             .indices = index,

@@ -10,7 +10,8 @@
 static rsv_texture_desc describe(
     const rsv_texture_source *source, uint32_t width, uint32_t height, uint32_t channels)
 {
-    return (rsv_texture_desc){ .name = source->file.path,
+    return (rsv_texture_desc){ .size = sizeof(rsv_texture_desc),
+        .name = source->file.path,
         .width = width,
         .height = height,
         .channel_count = channels,

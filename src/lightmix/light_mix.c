@@ -1,4 +1,5 @@
 /// Pictures as sums of what sources show: light transport is linear in its sources, pixels included.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../relight/relight_responses.h"
 #include "resolvent/frame.h"
@@ -241,14 +242,17 @@ static bool shows_unlit(const rsv_scene *scene)
 rsv_status rsv_light_mix_create(
     rsv_relighter *r, const rsv_render_desc *picture, rsv_light_mix **mix)
 {
-    bool is_solved = picture->mode == RSV_RENDER_FINAL || picture->mode == RSV_RENDER_OPERATOR;
-    if (!is_solved || picture->layers)
+    rsv_render_desc settings = rsv_default_render_desc();
+    rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, picture);
+    if (status != RSV_OK) return status;
+    bool is_solved = settings.mode == RSV_RENDER_FINAL || settings.mode == RSV_RENDER_OPERATOR;
+    if (!is_solved || settings.layers)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "light mix: pictures are of modes final and operator, without layers");
     rsv_light_mix *m = rsv_alloc(r->context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;
     *m = (rsv_light_mix){
-        .context = r->context, .r = r, .picture = *picture, .is_unlit = shows_unlit(r->scene)
+        .context = r->context, .r = r, .picture = settings, .is_unlit = shows_unlit(r->scene)
     };
     *mix = m;
     return RSV_OK;

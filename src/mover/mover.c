@@ -1,13 +1,17 @@
 #include "mover.h"
+#include "../core/descriptor.h"
 
 #include "../core/parallel.h"
 #include "../trace/passage.h"
 
 #include <string.h>
 
-rsv_mover_desc rsv_default_mover_desc(void)
+void rsv_mover_desc_init(rsv_mover_desc *desc, size_t size)
 {
-    return (rsv_mover_desc){ .probe_samples = 64, .light_samples = 16 };
+    const rsv_mover_desc defaults = {
+        .size = sizeof defaults, .probe_samples = 64, .light_samples = 16
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 // ---- place --------------------------------------------------------------------------------------
@@ -143,8 +147,9 @@ rsv_status rsv_mover_create(
     const rsv_light *light, const rsv_scene *body, const rsv_mover_desc *desc, rsv_mover **mover)
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
-    rsv_mover_desc settings = desc ? *desc : rsv_default_mover_desc();
-    rsv_status status = check_desc(&settings);
+    rsv_mover_desc settings = rsv_default_mover_desc();
+    rsv_status status = RSV_READ_DESC(rsv_mover_desc, &settings, desc);
+    if (status == RSV_OK) status = check_desc(&settings);
     if (status == RSV_OK) status = rsv_light_refuse_fog(solution, "a moving object");
     if (status != RSV_OK) return status;
     rsv_mover *m = rsv_alloc(solution->context, 1, sizeof *m);

@@ -1,5 +1,6 @@
 /// Pictures of ambient occlusion, in either form.
 #include "occlusion.h"
+#include "../core/descriptor.h"
 
 #include "../core/core.h"
 #include "../scene/scene.h"
@@ -51,18 +52,20 @@ rsv_status rsv_occlusion_create(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_occlusion **occlusion)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    rsv_status status = rsv_scene_require_committed(scene);
-    if (status == RSV_OK) status = check_desc(view, desc);
+    rsv_render_desc settings = rsv_default_render_desc();
+    rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, desc);
+    if (status == RSV_OK) status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK) status = check_desc(view, &settings);
     if (status == RSV_OK) status = rsv_scene_refuse_fog(scene, "ambient occlusion");
     if (status != RSV_OK) return status;
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_occlusion *o = rsv_alloc(context, 1, sizeof *o);
     if (!o) return RSV_ERROR_MEMORY;
     o->context = context;
-    o->setting = setting_of(view, desc);
+    o->setting = setting_of(view, &settings);
     RSV_TRY(rsv_tracer_create(scene, &o->tracer));
     RSV_TRY(rsv_sky_irradiance_create(context, &o->setting.sky, &o->setting.open));
-    if (desc->mode == RSV_RENDER_OCCLUSION_SCREEN) RSV_TRY(rsv_occlusion_screen_create(o));
+    if (settings.mode == RSV_RENDER_OCCLUSION_SCREEN) RSV_TRY(rsv_occlusion_screen_create(o));
     RSV_TRY(rsv_occlusion_device_create(o->tracer, &o->setting, o->screen, &o->device));
     *occlusion = o;
     return RSV_OK;
@@ -106,10 +109,12 @@ rsv_status rsv_render_occlusion(
     rsv_occlusion *occlusion = NULL;
     rsv_image *picture = NULL;
     rsv_context *context = rsv_scene_get_context(scene);
-    RSV_TRY(rsv_occlusion_create(scene, desc, &occlusion));
-    RSV_TRY(rsv_image_create(context, desc->width, desc->height, 1, &picture));
-    RSV_TRY(
-        rsv_occlusion_render(occlusion, &rsv_scene_get_view(scene)->camera[desc->camera], picture));
+    rsv_render_desc settings = rsv_default_render_desc();
+    RSV_TRY(RSV_READ_DESC(rsv_render_desc, &settings, desc));
+    RSV_TRY(rsv_occlusion_create(scene, &settings, &occlusion));
+    RSV_TRY(rsv_image_create(context, settings.width, settings.height, 1, &picture));
+    RSV_TRY(rsv_occlusion_render(
+        occlusion, &rsv_scene_get_view(scene)->camera[settings.camera], picture));
     *image = picture;
     picture = NULL;
 cleanup:

@@ -203,7 +203,8 @@ static rsv_status write_textures(rsv_tensor_file *file, const rsv_scene_view *vi
     rsv_texture_desc *desc = rsv_alloc(file->context, view->texture_count, sizeof *desc);
     if (!desc) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < view->texture_count; k++)
-        desc[k] = (rsv_texture_desc){ .name = view->texture[k].name,
+        desc[k] = (rsv_texture_desc){ .size = sizeof(rsv_texture_desc),
+            .name = view->texture[k].name,
             .wrap_u = view->texture[k].wrap_u,
             .wrap_v = view->texture[k].wrap_v,
             .nearest = view->texture[k].nearest };
@@ -362,6 +363,7 @@ static rsv_status read_texels(scene_reader *r, size_t index)
     if (!sound) return rsv_tensor_fail(r->file, name, "is no texture");
     rsv_texture_parts *parts = &r->texture[index];
     parts->desc = r->desc[index];
+    parts->desc.size = sizeof parts->desc;
     parts->desc.height = (uint32_t)tensor->shape[0];
     parts->desc.width = (uint32_t)tensor->shape[1];
     parts->desc.channel_count = (uint32_t)tensor->shape[2];

@@ -1,5 +1,6 @@
 /// Plans by error. Everything follows from the picture's size, the wanted error and what pilots show: no clock is read, so a
 /// plan is the same on every machine.
+#include "../core/descriptor.h"
 #include "../scene/scene.h"
 #include "pixel_error.h"
 #include "planner.h"
@@ -60,11 +61,12 @@
 /// Estimates that exceed the wanted error by less count as that.
 #define TOLERANCE 1.15
 
-rsv_plan_desc rsv_default_plan_desc(void)
+void rsv_plan_desc_init(rsv_plan_desc *desc, size_t size)
 {
-    rsv_plan_desc desc = { .relative_error = 0.07, .max_seconds = INFINITY };
-    desc.solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    return desc;
+    const rsv_plan_desc defaults = {
+        .size = sizeof defaults, .relative_error = 0.07, .max_seconds = INFINITY
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 // ---- steps ----------------------------------------------------------------------------------------
@@ -378,33 +380,40 @@ static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const
     return rsv_scene_refuse_fog(scene, "a planned picture");
 }
 
-static void begin(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_render_desc *picture,
-    rsv_light *light, rsv_planner *p)
+static rsv_status begin(const rsv_scene *scene, const rsv_plan_desc *desc,
+    const rsv_render_desc *picture, rsv_light *light, rsv_planner *p)
 {
     *p = (rsv_planner){ .scene = scene,
         .context = rsv_scene_get_context(scene),
         .picture = *picture,
-        .solve = desc->solve,
+        .solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT),
         .light = light,
         .is_given = light != NULL,
         .started = rsv_seconds(),
         .wanted = desc->relative_error * desc->relative_error };
-    p->solve.direct_level = false;
     p->picture.noise = 0;
     p->plan.mode = RSV_RENDER_FINAL;
     p->plan.elements_error = p->plan.noise = NAN;
+    rsv_status status = RSV_READ_DESC(rsv_solve_desc, &p->solve, desc->solve);
+    p->solve.direct_level = false;
+    return status;
 }
 
 rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     const rsv_render_desc *picture, rsv_light **light, rsv_image **image, rsv_picture_plan *plan)
 {
-    rsv_status status = rsv_scene_require_committed(scene);
-    if (status == RSV_OK) status = check(scene, desc, picture);
+    rsv_plan_desc settings = rsv_default_plan_desc();
+    rsv_render_desc seen = rsv_default_render_desc();
+    rsv_status status = RSV_READ_DESC(rsv_plan_desc, &settings, desc);
+    if (status == RSV_OK) status = RSV_READ_DESC(rsv_render_desc, &seen, picture);
+    if (status == RSV_OK) status = rsv_scene_require_committed(scene);
+    if (status == RSV_OK) status = check(scene, &settings, &seen);
     if (status != RSV_OK) return status;
     rsv_planner p;
-    begin(scene, desc, picture, *light, &p);
-    status = isfinite(desc->max_seconds) ? rsv_planner_run_until(&p, desc->max_seconds)
-                                         : run_to_error(&p);
+    status = begin(scene, &settings, &seen, *light, &p);
+    if (status != RSV_OK) return status;
+    status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
+                                            : run_to_error(&p);
     rsv_picture_series_destroy(p.series);
     if (status == RSV_OK) {
         p.plan.samples = p.sum.samples;

@@ -1,3 +1,4 @@
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/team.h"
 #include "../scene/scene.h"
@@ -37,14 +38,16 @@ typedef struct picture_job {
     row_statistics *row; ///< [height]
 } picture_job;
 
-rsv_render_desc rsv_default_render_desc(void)
+void rsv_render_desc_init(rsv_render_desc *desc, size_t size)
 {
-    return (rsv_render_desc){ .mode = RSV_RENDER_FINAL,
+    const rsv_render_desc defaults = { .size = sizeof defaults,
+        .mode = RSV_RENDER_FINAL,
         .width = 512,
         .height = 512,
         .samples = 16,
         .path_depth = 64,
         .seed = 1 };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static void add_rgb(double sum[3], rsv_rgb value)
@@ -206,7 +209,10 @@ rsv_status rsv_render_reference(
     rsv_context *context = rsv_scene_get_context(scene);
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     rsv_path_tracer *tracer = NULL;
-    picture_job picture = { .desc = desc };
+    rsv_render_desc settings = rsv_default_render_desc();
+    picture_job picture = { .desc = &settings };
+    RSV_TRY(RSV_READ_DESC(rsv_render_desc, &settings, desc));
+    desc = &settings;
     RSV_TRY(rsv_scene_require_committed(scene));
     RSV_TRY(check_desc(view, desc));
     uint32_t layers = desc->layers ? 1 + RSV_PATH_ORDERS : 1;

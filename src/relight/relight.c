@@ -1,4 +1,5 @@
 /// Relighting: solving again for another E0, from where the last solve stopped.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../scene/punctual.h"
 #include "../solve/sharpen.h"
@@ -204,6 +205,12 @@ uint32_t rsv_light_find_source(const rsv_light *s, rsv_light_kind kind, uint32_t
         if ((int)source[k].kind == (int)kind && source[k].index == index) found = (uint32_t)k;
     rsv_free(view->context, listed);
     return found;
+}
+
+void rsv_relight_desc_init(rsv_relight_desc *desc, size_t size)
+{
+    const rsv_relight_desc defaults = { .size = sizeof defaults };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 rsv_status rsv_light_relight(rsv_light *s, const rsv_relight_desc *desc)

@@ -1,4 +1,5 @@
 /// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../scene/variant.h"
 #include "relight_responses.h"
@@ -464,7 +465,9 @@ cleanup:
 rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
 {
     rsv_light_settings_home home = home_of(r);
-    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
+    rsv_relight_desc settings = rsv_default_relight_desc();
+    rsv_status status = RSV_READ_DESC(rsv_relight_desc, &settings, desc);
+    if (status == RSV_OK) status = rsv_light_settings_read(&home, &settings, &r->wanted);
     if (status == RSV_OK) status = keep_beginning(r);
     if (status == RSV_OK) status = set_colors(r);
     return status == RSV_OK ? follow_settings(r) : status;

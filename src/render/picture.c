@@ -1,4 +1,5 @@
 /// Modes operator and final: camera paths, then the solved light.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/team.h"
 #include "../trace/backs.h"
@@ -205,8 +206,10 @@ cleanup:
 rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_picture_series *series = NULL;
-    rsv_status status = rsv_picture_series_create(light, desc, &series);
-    if (status == RSV_OK) status = rsv_picture_series_take(series, desc, NULL, image);
+    rsv_render_desc settings = rsv_default_render_desc();
+    rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, desc);
+    if (status == RSV_OK) status = rsv_picture_series_create(light, &settings, &series);
+    if (status == RSV_OK) status = rsv_picture_series_take(series, &settings, NULL, image);
     rsv_picture_series_destroy(series);
     return status;
 }

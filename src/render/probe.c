@@ -1,4 +1,5 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
+#include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/stratified.h"
 #include "../receiver/next_event.h"
@@ -383,9 +384,12 @@ static void read_probes(void *user, rsv_span span)
     }
 }
 
-rsv_probe_desc rsv_default_probe_desc(void)
+void rsv_probe_desc_init(rsv_probe_desc *desc, size_t size)
 {
-    return (rsv_probe_desc){ .mode = RSV_PROBE_OPERATOR, .samples = 4096 };
+    const rsv_probe_desc defaults = {
+        .size = sizeof defaults, .mode = RSV_PROBE_OPERATOR, .samples = 4096
+    };
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *desc,
@@ -393,13 +397,16 @@ rsv_status rsv_probe_irradiance(const rsv_light *light, const rsv_probe_desc *de
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_context *context = solution->context;
-    bool lookup = desc->mode == RSV_PROBE_LOOKUP;
-    if (desc->mode == RSV_PROBE_REFERENCE)
-        return rsv_probe_reference(
-            solution->scene.scene, probes, probe_count, desc->samples, desc->seed, readings);
-    rsv_status status = rsv_check_probes(probes, probe_count);
+    rsv_probe_desc settings = rsv_default_probe_desc();
+    rsv_status status = RSV_READ_DESC(rsv_probe_desc, &settings, desc);
     if (status != RSV_OK) return status;
-    reading_job work = { .job = rsv_probe_job_of(solution, desc->samples, desc->seed, true),
+    bool lookup = settings.mode == RSV_PROBE_LOOKUP;
+    if (settings.mode == RSV_PROBE_REFERENCE)
+        return rsv_probe_reference(
+            solution->scene.scene, probes, probe_count, settings.samples, settings.seed, readings);
+    status = rsv_check_probes(probes, probe_count);
+    if (status != RSV_OK) return status;
+    reading_job work = { .job = rsv_probe_job_of(solution, settings.samples, settings.seed, true),
         .lookup = lookup,
         .probe = probes,
         .reading = readings,

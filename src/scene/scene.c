@@ -1,4 +1,5 @@
 #include "scene.h"
+#include "../core/descriptor.h"
 #include "../core/vec.h"
 #include "placed_luminaire.h"
 #include "punctual.h"
@@ -149,14 +150,22 @@ rsv_texture_ref rsv_default_texture_ref(rsv_texture_role role, uint32_t texture)
     };
 }
 
+void rsv_texture_desc_init(rsv_texture_desc *desc, size_t size)
+{
+    const rsv_texture_desc defaults = { .size = sizeof defaults };
+    rsv_desc_fill(desc, size, &defaults);
+}
+
 rsv_status rsv_scene_add_texture(
     rsv_scene *scene, const rsv_texture_desc *desc, uint32_t *texture_id)
 {
     rsv_status status;
     rsv_texture texture;
+    rsv_texture_desc settings = rsv_default_texture_desc();
+    RSV_TRY(RSV_READ_DESC(rsv_texture_desc, &settings, desc));
     RSV_TRY(reserve_one(scene, "texture", (void **)&scene->texture, &scene->texture_capacity,
         scene->texture_count, sizeof texture));
-    RSV_TRY(rsv_texture_create(scene->context, desc, &texture));
+    RSV_TRY(rsv_texture_create(scene->context, &settings, &texture));
     if (texture_id) *texture_id = (uint32_t)scene->texture_count;
     scene->texture[scene->texture_count++] = texture;
 cleanup:
@@ -355,10 +364,19 @@ static rsv_status copy_mesh(rsv_scene *scene, const rsv_mesh_desc *source, rsv_m
     return RSV_OK;
 }
 
-rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh, uint32_t *mesh_id)
+void rsv_mesh_desc_init(rsv_mesh_desc *desc, size_t size)
+{
+    const rsv_mesh_desc defaults = { .size = sizeof defaults };
+    rsv_desc_fill(desc, size, &defaults);
+}
+
+rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *desc, uint32_t *mesh_id)
 {
     rsv_status status;
     rsv_mesh stored = { 0 };
+    rsv_mesh_desc settings = rsv_default_mesh_desc();
+    const rsv_mesh_desc *mesh = &settings;
+    RSV_TRY(RSV_READ_DESC(rsv_mesh_desc, &settings, desc));
     RSV_TRY(reserve_one(scene, "mesh", (void **)&scene->mesh, &scene->mesh_capacity,
         scene->mesh_count, sizeof stored));
     RSV_TRY(copy_name(scene, mesh->name, "unnamed", &stored.name));

@@ -1,4 +1,5 @@
 #include "builder.h"
+#include "../core/descriptor.h"
 
 #include "../core/team.h"
 #include "../elements/voxels.h"
@@ -434,10 +435,11 @@ static void tell_kept_rays(rsv_context *context, const rsv_solve_report *r)
 rsv_status rsv_light_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_light **solution)
 {
-    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_solve_desc settings = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_store *store = NULL, *earlier = NULL;
     rsv_status status;
+    RSV_TRY(RSV_READ_DESC(rsv_solve_desc, &settings, desc));
     RSV_TRY(rsv_check_settings(scene, &settings));
     if (settings.checkpoint) RSV_TRY(rsv_store_folder(context, settings.checkpoint, &store));
     if (settings.earlier) RSV_TRY(rsv_store_folder(context, settings.earlier, &earlier));

@@ -1,4 +1,5 @@
 /// Updates in memory: each solve reads what the one before kept, and keeps its own beside it until it is done.
+#include "../core/descriptor.h"
 #include "builder.h"
 #include "resolvent/update.h"
 
@@ -57,10 +58,11 @@ static rsv_status check(const rsv_scene *scene, const rsv_solve_desc *desc)
 rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_desc *desc,
     rsv_update_store *store, rsv_light **solution, rsv_update_report *report)
 {
-    const rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_solve_desc settings = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     double start = rsv_seconds();
     rsv_store *next = NULL;
     rsv_status status;
+    RSV_TRY(RSV_READ_DESC(rsv_solve_desc, &settings, desc));
     RSV_TRY(check(scene, &settings));
     RSV_TRY(rsv_store_memory(store->context, &next));
     RSV_TRY(rsv_light_build(scene, &settings, next, store->kept, solution));

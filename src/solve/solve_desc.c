@@ -1,8 +1,9 @@
 #include "solve_desc.h"
+#include "../core/descriptor.h"
 
 #include "operator.h"
 
-rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
+void rsv_solve_desc_init(rsv_solve_desc *desc, size_t size, rsv_quality quality)
 {
     static const rsv_solve_desc presets[] = {
         [RSV_QUALITY_DRAFT] = { .element_target = 3000,
@@ -24,15 +25,14 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
             .photon_count = 6000000,
             .direct_levels = 4 },
     };
-    rsv_solve_desc desc = presets[quality];
-    desc.direct_level = true;
-    desc.max_orders = 4096;
-    desc.tolerance = 1e-4f;
-    desc.goal_camera = RSV_NONE;
-    desc.goal_points = NULL;
-    desc.goal_point_count = 0;
-    desc.seed = 1;
-    return desc;
+    rsv_solve_desc defaults = presets[quality];
+    defaults.size = sizeof defaults;
+    defaults.direct_level = true;
+    defaults.max_orders = 4096;
+    defaults.tolerance = 1e-4f;
+    defaults.goal_camera = RSV_NONE;
+    defaults.seed = 1;
+    rsv_desc_fill(desc, size, &defaults);
 }
 
 static bool is_power_of_two(uint32_t value) { return value && (value & (value - 1)) == 0; }

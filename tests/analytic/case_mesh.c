@@ -169,7 +169,8 @@ rsv_status case_mesh_add(rsv_scene *scene, const case_surface *surface, const ca
     if (make_mesh(surface, zone, &mesh)) {
         // mirrors and coarse glass keep their facets: shading normals would bend rays into the surface
         bool smooth = surface->bsdf == CASE_DIFFUSE || surface->refinement > 1;
-        rsv_mesh_desc desc = { .name = surface->name,
+        rsv_mesh_desc desc = { .size = sizeof desc,
+            .name = surface->name,
             .positions = mesh.positions,
             .normals = smooth ? mesh.normals : NULL,
             .vertex_count = mesh.vertex_count,

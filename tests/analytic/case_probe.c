@@ -85,8 +85,9 @@ static rsv_status read_probes(const case_bench *bench, const case_solution *solu
 {
     if (bench->mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(solution->scene, probes, count, samples, seed, readings);
-    return rsv_probe_irradiance(solution->solution, &(rsv_probe_desc){ bench->mode, samples, seed },
-        probes, count, readings);
+    return rsv_probe_irradiance(solution->solution,
+        &(rsv_probe_desc){ sizeof(rsv_probe_desc), bench->mode, samples, seed }, probes, count,
+        readings);
 }
 
 /// How many times as many samples bring the standard error down to what is wanted.

@@ -93,8 +93,8 @@ static void fog_is_relit(void **state)
     const double each = 0.4 * M_PI;
     const rsv_light_scale scale[2] = { { "left", rgb_gray(3) }, { "right", rgb_gray(0.5f) } };
     const rsv_light_move move = { "right", v3(-0.3f, 0.2f, 0.4f) };
-    const rsv_relight_desc stronger = { .light = scale, .light_count = 2 };
-    const rsv_relight_desc elsewhere = { .move = &move, .move_count = 1 };
+    const rsv_relight_desc stronger = { .size = sizeof stronger, .light = scale, .light_count = 2 };
+    const rsv_relight_desc elsewhere = { .size = sizeof elsewhere, .move = &move, .move_count = 1 };
     assert_close(power_at_walls(light), 2 * each, 2 * TOLERANCE * 2 * each);
     relight(light, &stronger, 3.5 * each);
     relight(light, &elsewhere, 3.5 * each);
@@ -290,7 +290,7 @@ static void uneven_fog_is_not_relit(void **state)
     assert_int_equal(rsv_scene_set_fog(w->scene, &fog), RSV_OK);
     rsv_light *light = solve_with(w, 200, 64);
     const rsv_light_scale scale = { "left", rgb_gray(3) };
-    const rsv_relight_desc desc = { .light = &scale, .light_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = &scale, .light_count = 1 };
     assert_int_equal(rsv_light_relight(light, &desc), RSV_ERROR_UNSUPPORTED);
     assert_non_null(strstr(rsv_last_error(), "unevenly"));
     rsv_light_destroy(light);

@@ -40,7 +40,8 @@ static void check_probes(
                 rsv_probe_reference(w->scene, probe, count, samples, 5, reading), RSV_OK);
         else
             assert_int_equal(
-                rsv_probe_irradiance(solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, samples, 5 },
+                rsv_probe_irradiance(solution,
+                    &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, samples, 5 },
                     probe, count, reading),
                 RSV_OK);
         double sum = 0, variance = 0;

@@ -147,8 +147,9 @@ static void read_solution(const world *w, const rsv_solve_desc *desc, const rsv_
     rsv_light *s;
     if (rsv_light_create(w->scene, desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
     assert_int_equal(
-        rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, samples, desc->seed }, probe,
-            probe_count, reading),
+        rsv_probe_irradiance(s,
+            &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, samples, desc->seed },
+            probe, probe_count, reading),
         RSV_OK);
     rsv_light_destroy(s);
 }

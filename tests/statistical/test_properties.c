@@ -150,9 +150,10 @@ static rsv_status add_surface(rsv_scene *scene, const room *r, uint32_t surface)
         if (r->surface[k] != surface) continue;
         memcpy(position + 3 * count++, r->corner[k], sizeof r->corner[k]);
     }
-    rsv_mesh_desc desc = {
-        .positions = position, .vertex_count = 3 * count, .triangle_count = count
-    };
+    rsv_mesh_desc desc = { .size = sizeof desc,
+        .positions = position,
+        .vertex_count = 3 * count,
+        .triangle_count = count };
     rsv_status status = rsv_scene_add_material(scene, &m, &desc.material);
     if (status == RSV_OK) status = rsv_scene_add_mesh(scene, &desc, &mesh);
     return status == RSV_OK ? rsv_scene_add_instance(scene, mesh, NULL, NULL) : status;

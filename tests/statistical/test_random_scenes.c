@@ -259,7 +259,8 @@ static void add_plate(rsv_scene *scene, uint32_t material, rsv_vec3 at)
     const rsv_vec3 corner[4] = { at, v3(at.x + 1, at.y, at.z), v3(at.x + 1, at.y, at.z - 1),
         v3(at.x, at.y, at.z - 1) };
     uint32_t mesh;
-    const rsv_mesh_desc desc = { .positions = corner,
+    const rsv_mesh_desc desc = { .size = sizeof desc,
+        .positions = corner,
         .vertex_count = 4,
         .indices = index,
         .triangle_count = 2,
@@ -291,7 +292,8 @@ static void add_specimen(rsv_scene *scene, uint32_t texture, const specimen *s)
 static uint32_t add_halves(rsv_scene *scene)
 {
     static const float half[2][4] = { { 0, 0, 0, 0 }, { 1, 1, 1, 1 } };
-    const rsv_texture_desc desc = { .width = 2,
+    const rsv_texture_desc desc = { .size = sizeof desc,
+        .width = 2,
         .height = 1,
         .channel_count = 4,
         .values = half[0],
@@ -463,9 +465,12 @@ static void add_bent_plate(rsv_scene *scene)
     static const float uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
-    const rsv_texture_desc texture = {
-        .name = "bent", .width = 1, .height = 1, .channel_count = 4, .values = texel
-    };
+    const rsv_texture_desc texture = { .size = sizeof texture,
+        .name = "bent",
+        .width = 1,
+        .height = 1,
+        .channel_count = 4,
+        .values = texel };
     rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
     rsv_material m = rsv_default_material();
     uint32_t mesh;
@@ -473,7 +478,8 @@ static void add_bent_plate(rsv_scene *scene)
     m.texture_count = 1;
     m.textures = &ref;
     assert_int_equal(rsv_scene_add_texture(scene, &texture, &ref.texture), RSV_OK);
-    rsv_mesh_desc desc = { .positions = corner,
+    rsv_mesh_desc desc = { .size = sizeof desc,
+        .positions = corner,
         .vertex_count = 4,
         .indices = index,
         .triangle_count = 2,

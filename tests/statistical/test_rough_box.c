@@ -120,7 +120,8 @@ static void add_tilted_sheet(world *w, uint32_t material, float z)
     const rsv_vec3 tilted = v3_normalize(v3(0.5f, 0, 1));
     const rsv_vec3 normal[4] = { tilted, tilted, tilted, tilted };
     const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    const rsv_mesh_desc mesh = { .name = "sheet",
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "sheet",
         .positions = corner,
         .normals = normal,
         .vertex_count = 4,

@@ -169,7 +169,8 @@ static inline void world_textured_quad(
     world *w, const char *name, rsv_material m, const rsv_vec3 corner[4], const float uv[4][2])
 {
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    const rsv_mesh_desc quad = { .name = name,
+    const rsv_mesh_desc quad = { .size = sizeof quad,
+        .name = name,
         .positions = corner,
         .vertex_count = 4,
         .indices = index,
@@ -195,9 +196,12 @@ static inline void world_pattern(world *w, rsv_material m, const rsv_vec3 corner
         texel[k][2] = 0.8f + 0.2f * x;
         texel[k][3] = x;
     }
-    rsv_texture_desc texture = {
-        .name = "pattern", .width = side, .height = side, .channel_count = 4, .values = texel[0]
-    };
+    rsv_texture_desc texture = { .size = sizeof texture,
+        .name = "pattern",
+        .width = side,
+        .height = side,
+        .channel_count = 4,
+        .values = texel[0] };
     for (size_t k = 0; k < role_count; k++) {
         uint32_t id;
         texture.nearest = k == 0;
@@ -235,7 +239,8 @@ static inline void world_screen(
 static inline void world_triangles(world *w, uint32_t material, const rsv_vec3 *position,
     size_t vertex_count, const uint32_t *index, size_t triangle_count)
 {
-    rsv_mesh_desc mesh = { .name = "triangles",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "triangles",
         .positions = position,
         .vertex_count = vertex_count,
         .indices = index,

@@ -62,7 +62,8 @@ static float pattern_value(rsv_random *random, pattern kind, uint32_t x, uint32_
 static rsv_status add_texture(rsv_scene *scene, rsv_random *random, float floor, uint32_t *id)
 {
     float texel[MOST_TEXELS * MOST_TEXELS][4];
-    rsv_texture_desc desc = { .name = "random",
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "random",
         .width = 2 + below(random, MOST_TEXELS - 1),
         .height = 1 + below(random, MOST_TEXELS),
         .channel_count = 4,
@@ -254,7 +255,8 @@ static rsv_status add_quad(rsv_scene *scene, uint32_t material, const rsv_vec3 c
 {
     static const float uv[4][2] = { { 0, 1 }, { 1, 1 }, { 1, 0 }, { 0, 0 } };
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    return add_mesh(scene, &(rsv_mesh_desc){ .name = "quad",
+    return add_mesh(scene, &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                               .name = "quad",
                                .positions = corner,
                                .vertex_count = 4,
                                .indices = index,
@@ -294,7 +296,8 @@ static rsv_status add_box(rsv_scene *scene, uint32_t material, rsv_vec3 low, rsv
         for (uint32_t k = 0; k < 6; k++)
             index[6 * side + k] = 4 * side + (k < 3 ? k : k == 3 ? 0 : k - 2);
     }
-    return add_mesh(scene, &(rsv_mesh_desc){ .name = "box",
+    return add_mesh(scene, &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                               .name = "box",
                                .positions = corner,
                                .vertex_count = 24,
                                .indices = index,
@@ -330,7 +333,8 @@ rsv_status textured_ball(rsv_scene *scene, uint32_t material, rsv_vec3 centre, f
             for (uint32_t k = ring ? 0 : 3; k < (ring + 1 < RINGS ? 6 : 3); k++)
                 index[count++] = corner[k];
         }
-    return add_mesh(scene, &(rsv_mesh_desc){ .name = "ball",
+    return add_mesh(scene, &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                               .name = "ball",
                                .positions = position,
                                .normals = normal,
                                .vertex_count = VERTICES,

@@ -474,22 +474,26 @@ static void creases_split_vertices_and_angles_weigh_normals(void **state)
 {
     fixture *f = *state;
     rsv_smooth_mesh smooth;
-    assert_int_equal(
-        rsv_smooth_normals(f->context,
-            &(rsv_mesh_desc){
-                .positions = cube, .vertex_count = 8, .indices = cube_index, .triangle_count = 12 },
-            1, &smooth),
+    assert_int_equal(rsv_smooth_normals(f->context,
+                         &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                             .positions = cube,
+                             .vertex_count = 8,
+                             .indices = cube_index,
+                             .triangle_count = 12 },
+                         1, &smooth),
         RSV_OK);
     assert_int_equal(smooth.vertex_count, 24);
     for (size_t i = 0; i < 24; i++)
         assert_near(v3_max_abs(smooth.normal[i]), 1);
     rsv_smooth_mesh_release(f->context, &smooth);
     // all smooth: three right angles meet at each corner, however the faces are cut
-    assert_int_equal(
-        rsv_smooth_normals(f->context,
-            &(rsv_mesh_desc){
-                .positions = cube, .vertex_count = 8, .indices = cube_index, .triangle_count = 12 },
-            2, &smooth),
+    assert_int_equal(rsv_smooth_normals(f->context,
+                         &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                             .positions = cube,
+                             .vertex_count = 8,
+                             .indices = cube_index,
+                             .triangle_count = 12 },
+                         2, &smooth),
         RSV_OK);
     assert_int_equal(smooth.vertex_count, 8);
     for (size_t i = 0; i < 8; i++)
@@ -511,7 +515,8 @@ static void a_vertex_of_many_triangles_takes_no_quadratic_time(void **state)
         index[3 * i + 2] = (i + 1) % blades + 1;
     }
     assert_int_equal(rsv_smooth_normals(f->context,
-                         &(rsv_mesh_desc){ .positions = position,
+                         &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+                             .positions = position,
                              .vertex_count = blades + 1,
                              .indices = index,
                              .triangle_count = blades },

@@ -43,9 +43,9 @@ static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgeme
             v3_mad(v3_scale(point.normal, cosf(TILT)), sinf(TILT), towards) };
     }
     rsv_probe_reading reading[TURNS + 1];
-    assert_int_equal(
-        rsv_probe_irradiance(
-            s->light, &(rsv_probe_desc){ RSV_PROBE_REFERENCE, 4096, 1 }, probe, TURNS + 1, reading),
+    assert_int_equal(rsv_probe_irradiance(s->light,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_REFERENCE, 4096, 1 },
+                         probe, TURNS + 1, reading),
         RSV_OK);
     for (int k = 1; k <= TURNS; k++)
         for (int c = 0; c < 3; c++) {

@@ -31,7 +31,8 @@ static picture picture_of(
     const rsv_tracer *tracer, const rsv_camera *camera, rsv_instructions instructions)
 {
     picture p = { .kernels = rsv_packet_kernels_for(&instructions), .tracer = tracer };
-    p.aim = (rsv_frame_aim){ rsv_lens_of(camera, columns, rows), columns, rows, 0.3f, 0.6f, 0, { 0, 0 } };
+    p.aim = (rsv_frame_aim){ rsv_lens_of(camera, columns, rows), columns, rows, 0.3f, 0.6f, 0,
+        { 0, 0 } };
     p.lens = rsv_beam_lens_of(&p.aim.lens);
     assert_int_equal(rsv_beams_create(tracer, &p.beams), RSV_OK);
     assert_true(p.beams.hold);
@@ -207,7 +208,8 @@ static rsv_camera looking_at_the_origin(void)
 static void add_triangle(world *w, uint32_t material, const rsv_vec3 corner[3])
 {
     static const uint32_t index[3] = { 0, 1, 2 };
-    rsv_mesh_desc mesh = { .name = "triangle",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "triangle",
         .positions = corner,
         .vertex_count = 3,
         .indices = index,
@@ -411,7 +413,7 @@ static void frames_see_a_lamp_where_it_was_moved(void **state)
     (void)state;
     static rsv_rgb shown[pixel_count], wanted[pixel_count];
     const rsv_light_move move = { "lamp", { 0.8f, 0.3f, 0.1f } };
-    const rsv_relight_desc change = { .move = &move, .move_count = 1 };
+    const rsv_relight_desc change = { .size = sizeof change, .move = &move, .move_count = 1 };
     world *w = lamp_at(v3(0, 0, 1)), *other = lamp_at(v3(0.8f, 0.3f, 1.1f));
     rsv_light *solution = solve_for_frames(w, 300, 1000),
               *fresh = solve_for_frames(other, 300, 1000);

@@ -81,7 +81,8 @@ static rsv_scene *tetrahedron(fixture *f, bool inwards)
     assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
     scene->is_part = true;
     assert_int_equal(rsv_scene_add_material(scene, &material, &id), RSV_OK);
-    const rsv_mesh_desc mesh = { .positions = corner,
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .positions = corner,
         .vertex_count = 4,
         .indices = index,
         .triangle_count = 4,
@@ -129,7 +130,7 @@ static void wrong_wishes_are_refused(void **state)
 {
     fixture *f = *state;
     rsv_scene *body = tetrahedron(f, false), *scene = NULL;
-    rsv_builtin_desc desc = { .body = body, .body_triangles = 1000 };
+    rsv_builtin_desc desc = { .size = sizeof desc, .body = body, .body_triangles = 1000 };
     assert_int_equal(
         rsv_scene_builtin_with(f->context, "furnace", &desc, &scene), RSV_ERROR_ARGUMENT);
     assert_mentions(rsv_last_error(), "takes no mesh");
@@ -142,7 +143,7 @@ static void wrong_wishes_are_refused(void **state)
 static void exhaust(fixture *f, size_t stride)
 {
     rsv_scene *scene = NULL;
-    rsv_builtin_desc desc = { .body_triangles = 200 };
+    rsv_builtin_desc desc = { .size = sizeof desc, .body_triangles = 200 };
     for (size_t allowed = 0; !scene; allowed += stride) {
         f->allocations_left = allowed;
         rsv_status status = rsv_scene_builtin_with(f->context, "cornell-marble", &desc, &scene);

@@ -40,7 +40,7 @@ static rsv_scene *floor_of(
     assert_int_equal(rsv_scene_create(context, &scene), RSV_OK);
     if (texel) {
         const rsv_texture_desc desc = {
-            .width = 1, .height = 1, .channel_count = 3, .codes = texel
+            .size = sizeof desc, .width = 1, .height = 1, .channel_count = 3, .codes = texel
         };
         assert_int_equal(rsv_scene_add_texture(scene, &desc, &id), RSV_OK);
         ref = rsv_default_texture_ref(RSV_TEXTURE_ANISOTROPY, id);
@@ -48,7 +48,8 @@ static rsv_scene *floor_of(
         material.texture_count = 1;
     }
     assert_int_equal(rsv_scene_add_material(scene, &material, &id), RSV_OK);
-    const rsv_mesh_desc desc = { .positions = corner,
+    const rsv_mesh_desc desc = { .size = sizeof desc,
+        .positions = corner,
         .vertex_count = 4,
         .indices = index,
         .triangle_count = 2,

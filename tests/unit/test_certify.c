@@ -87,9 +87,12 @@ static void add_bent_plate(world *w)
     static const float texel[4] = { 0.8f, 0.5f, 0.9f, 1 },
                        uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
-    const rsv_texture_desc texture = {
-        .name = "bent", .width = 1, .height = 1, .channel_count = 4, .values = texel
-    };
+    const rsv_texture_desc texture = { .size = sizeof texture,
+        .name = "bent",
+        .width = 1,
+        .height = 1,
+        .channel_count = 4,
+        .values = texel };
     rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
     rsv_material m = lambert_material(0.5f, 0);
     assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &ref.texture), RSV_OK);
@@ -320,7 +323,7 @@ static void intervals_hold_where_little_is_absorbed(void **state)
     for (uint32_t k = 0; k < runs; k++) {
         rsv_certificate c;
         rsv_certify_desc few = {
-            .samples = 128, .gather_rays = 64, .light_samples = 32, .seed = k
+            .size = sizeof few, .samples = 128, .gather_rays = 64, .light_samples = 32, .seed = k
         };
         assert_int_equal(rsv_certify(s, &few, &c), RSV_OK);
         covered += c.error_estimate_ci95[0] <= truth && truth <= c.error_estimate_ci95[1];
@@ -423,8 +426,12 @@ static void wrong_caustics_of_a_picture_are_found(void **state)
     rsv_probe below = { { 0.5f, 0.1f, 0.5f }, { 0, -1, 0 } };
     rsv_camera camera =
         rsv_camera_look_at("low", v3(0.5f, 0.1f, 0.9f), v3(0.52f, 0, 0.5f), 0.5f, 1);
-    rsv_heat_map_desc map = { .width = 48, .height = 60, .gather_rays = 16, .viewpoint = &camera };
-    rsv_certify_desc few = { .samples = 1024, .gather_rays = 32, .light_samples = 4 };
+    rsv_heat_map_desc map = {
+        .size = sizeof map, .width = 48, .height = 60, .gather_rays = 16, .viewpoint = &camera
+    };
+    rsv_certify_desc few = {
+        .size = sizeof few, .samples = 1024, .gather_rays = 32, .light_samples = 4
+    };
     rsv_solve_desc desc = draft(1500);
     rsv_light *s = solve(w, &desc);
     rsv_goal_certificate goal[2];
@@ -437,8 +444,10 @@ static void wrong_caustics_of_a_picture_are_found(void **state)
         for (size_t n = 0; wrong && n < inside(s)->caustics.elements->node_count; n++)
             caustic[n] = rgb_scale(caustic[n], 3);
         assert_int_equal(rsv_certify_points(s, &few, &below, 1, &goal[wrong]), RSV_OK);
-        assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 },
-                             &below, 1, &reading[wrong]),
+        assert_int_equal(
+            rsv_probe_irradiance(s,
+                &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 4096, 1 }, &below, 1,
+                &reading[wrong]),
             RSV_OK);
         assert_int_equal(rsv_certify_picture(s, &few, &map, &c, &image), RSV_OK);
         const rsv_rgb *number = rsv_image_const_pixels(image, 1);
@@ -643,7 +652,9 @@ static void the_error_of_a_picture_is_found_by_importance(void **state)
     desc.tolerance = 1e-6f;
     rsv_light *s = solve(w, &desc);
     scale_solution(s, 1.02f);
-    rsv_certify_desc certify_desc = { .samples = 512, .gather_rays = 64, .light_samples = 4 };
+    rsv_certify_desc certify_desc = {
+        .size = sizeof certify_desc, .samples = 512, .gather_rays = 64, .light_samples = 4
+    };
     rsv_goal_certificate c;
     assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &c), RSV_OK);
     // E = 5 all over, B = 0.8 * 5
@@ -661,7 +672,9 @@ static void a_rooms_picture_errs_as_importance_says(void **state)
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solve_desc desc = draft(1500);
     rsv_light *s = solve(w, &desc);
-    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 128, .light_samples = 16 };
+    rsv_certify_desc certify_desc = {
+        .size = sizeof certify_desc, .samples = 1024, .gather_rays = 128, .light_samples = 16
+    };
     rsv_goal_certificate before, after;
     assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &before), RSV_OK);
     scale_solution(s, 0.8f);
@@ -686,7 +699,9 @@ static void a_goal_spends_elements_where_they_count(void **state)
     rsv_light *goal = solve(w, &desc);
     const rsv_solve_report *a = rsv_light_report(all), *g = rsv_light_report(goal);
     assert_true(3 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
-    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
+    rsv_certify_desc certify_desc = {
+        .size = sizeof certify_desc, .samples = 1024, .gather_rays = 64, .light_samples = 16
+    };
     rsv_goal_certificate of_all, of_goal;
     assert_int_equal(rsv_certify_goal(all, &certify_desc, 0, &of_all), RSV_OK);
     assert_int_equal(rsv_certify_goal(goal, &certify_desc, 0, &of_goal), RSV_OK);
@@ -718,7 +733,9 @@ static void sensors_are_goals_as_cameras_are(void **state)
     rsv_light *goal = solve(w, &desc);
     const rsv_solve_report *a = rsv_light_report(all), *g = rsv_light_report(goal);
     assert_true(2 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
-    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
+    rsv_certify_desc certify_desc = {
+        .size = sizeof certify_desc, .samples = 1024, .gather_rays = 64, .light_samples = 16
+    };
     rsv_goal_certificate of_all, of_goal;
     assert_int_equal(rsv_certify_points(all, &certify_desc, sensors, 2, &of_all), RSV_OK);
     assert_int_equal(rsv_certify_points(goal, &certify_desc, sensors, 2, &of_goal), RSV_OK);
@@ -917,8 +934,10 @@ static void the_picture_shows_where_the_error_is(void **state)
         rsv_rgb *indirect = &rsv_light_edit(s)->indirect[n];
         *indirect = rgb_scale(*indirect, 1.5f);
     }
-    rsv_certify_desc certify_desc = { .samples = 256, .gather_rays = 64, .light_samples = 8 };
-    rsv_heat_map_desc map = { .width = 64, .height = 76, .gather_rays = 32 };
+    rsv_certify_desc certify_desc = {
+        .size = sizeof certify_desc, .samples = 256, .gather_rays = 64, .light_samples = 8
+    };
+    rsv_heat_map_desc map = { .size = sizeof map, .width = 64, .height = 76, .gather_rays = 32 };
     rsv_certificate c;
     rsv_image *image;
     assert_int_equal(rsv_certify_picture(s, &certify_desc, &map, &c, &image), RSV_OK);
@@ -967,8 +986,9 @@ static void unusable_numbers_of_samples_are_refused(void **state)
     world *w = create_furnace(0.5f);
     rsv_solve_desc desc = draft(60);
     rsv_light *s = solve(w, &desc);
-    const rsv_certify_desc bad[] = { { 0, 64, 16, 0 }, { (1u << 24) + 1, 64, 16, 0 },
-        { 64, 0, 16, 0 }, { 64, 64, 1, 0 }, { 64, UINT32_MAX, 16, 0 } };
+    enum { SIZE = sizeof(rsv_certify_desc) };
+    const rsv_certify_desc bad[] = { { SIZE, 0, 64, 16, 0 }, { SIZE, (1u << 24) + 1, 64, 16, 0 },
+        { SIZE, 64, 0, 16, 0 }, { SIZE, 64, 64, 1, 0 }, { SIZE, 64, UINT32_MAX, 16, 0 } };
     rsv_certificate c;
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         assert_int_equal(rsv_certify(s, &bad[k], &c), RSV_ERROR_ARGUMENT);
@@ -986,7 +1006,9 @@ static void memory_may_run_out_anywhere(void **state)
     world *w = create_furnace(0.5f);
     rsv_solve_desc desc = draft(60);
     rsv_light *s = solve(w, &desc);
-    rsv_certify_desc small = { .samples = 16, .gather_rays = 4, .light_samples = 2 };
+    rsv_certify_desc small = {
+        .size = sizeof small, .samples = 16, .gather_rays = 4, .light_samples = 2
+    };
     rsv_certificate c;
     rsv_status status = RSV_ERROR_MEMORY;
     long alive = w->alive;

@@ -55,7 +55,8 @@ static rsv_scene *build_room(fixture *f, changes c)
                 index[6 * walls + (uint32_t)k] =
                     4 * walls + (side == c.flipped ? turned[k] : usual[k]);
         }
-    const rsv_mesh_desc mesh = { .positions = position,
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .positions = position,
         .vertex_count = 4 * walls,
         .indices = index,
         .triangle_count = 2 * walls };

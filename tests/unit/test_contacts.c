@@ -252,7 +252,8 @@ static shares stored_shares(
     const world *w, const rsv_light *s, const rsv_probe *probe, size_t places)
 {
     rsv_probe_reading *reading = malloc(places * sizeof *reading);
-    assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 1 },
+    assert_int_equal(rsv_probe_irradiance(s,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 1024, 1 },
                          probe, places, reading),
         RSV_OK);
     shares found = { INFINITY, 0, 0 };
@@ -436,7 +437,8 @@ static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
         float x = ((float)(k % 8) - 3.5f) / 4, z = ((float)(k / 8) - 3.5f) / 4;
         probe[k] = (rsv_probe){ v3(x, 0, z), v3(0, 1, 0) };
     }
-    assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_REFERENCE, 4096, 1 },
+    assert_int_equal(rsv_probe_irradiance(s,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_REFERENCE, 4096, 1 },
                          probe, PLACES, exact),
         RSV_OK);
     float stored = 0, traced = 0;
@@ -543,7 +545,8 @@ static void smooth_bodies_on_a_floor_stay_dark(void **state)
         normal[k] = v3_normalize(v3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
     }
     world *w = begin_storeys();
-    rsv_mesh_desc mesh = { .name = "pot",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "pot",
         .positions = position,
         .normals = normal,
         .vertex_count = 8,

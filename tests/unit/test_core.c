@@ -52,7 +52,8 @@ static bool witness_progress(void *user, const char *phase, double fraction)
 
 static rsv_context *create_context(witness *seen)
 {
-    rsv_context_desc desc = { .thread_count = 3,
+    rsv_context_desc desc = { .size = sizeof desc,
+        .thread_count = 3,
         .log = witness_log,
         .progress = witness_progress,
         .allocate = witness_allocate,

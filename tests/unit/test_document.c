@@ -193,7 +193,7 @@ static void targets_are_found_by_their_names(void **state)
 static void bake_relit(rsv_light *light, float green, const char *path)
 {
     const rsv_albedo_change change = { "green", { 0.125F, green, 0.25F } };
-    const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .albedo = &change, .albedo_count = 1 };
     assert_int_equal(rsv_light_relight(light, &desc), RSV_OK);
     if (rsv_bake_vertices(light, path, NULL, NULL)) fail_msg("%s", rsv_last_error());
 }

@@ -136,8 +136,10 @@ static readings read_all(const world *w)
     const rsv_probe probe = { { 2.5f, 0, 2.5f }, { 0, 1, 0 } };
     for (int k = 0; k < 3; k++) {
         rsv_probe_reading reading;
-        assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ (rsv_probe_mode)k, 1024, 0 },
-                             &probe, 1, &reading),
+        assert_int_equal(
+            rsv_probe_irradiance(s,
+                &(rsv_probe_desc){ sizeof(rsv_probe_desc), (rsv_probe_mode)k, 1024, 0 }, &probe, 1,
+                &reading),
             RSV_OK);
         r.probe[k] = (double)rgb_luminance(reading.irradiance);
     }
@@ -512,11 +514,14 @@ static void crates_on_crates_stay_dark_inside(void **state)
         float z = -0.4f + 0.8f * (float)k / 31;
         rsv_probe place = { v3(0.52f, 0, z), v3(0, 1, 0) };
         rsv_probe_reading stored, exact;
-        assert_int_equal(rsv_probe_irradiance(
-                             s, &(rsv_probe_desc){ RSV_PROBE_LOOKUP, 1, 0 }, &place, 1, &stored),
+        assert_int_equal(rsv_probe_irradiance(s,
+                             &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_LOOKUP, 1, 0 },
+                             &place, 1, &stored),
             RSV_OK);
-        assert_int_equal(rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 0 },
-                             &place, 1, &exact),
+        assert_int_equal(
+            rsv_probe_irradiance(s,
+                &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 1024, 0 }, &place, 1,
+                &exact),
             RSV_OK);
         assert_close(stored.irradiance.g / exact.irradiance.g, 1, 0.25);
     }
@@ -667,7 +672,8 @@ static void warning_for(bool flip, bool same_material, char *warning)
             assert_int_equal(rsv_scene_add_material(scene, &m, &paint), RSV_OK);
         make_sheet(&room_wall[0], 1, 0, &s);
         if (k && flip) turn_over(&s);
-        rsv_mesh_desc d = { .name = k ? "second" : "first",
+        rsv_mesh_desc d = { .size = sizeof d,
+            .name = k ? "second" : "first",
             .positions = s.position,
             .vertex_count = s.vertex_count,
             .indices = s.index,

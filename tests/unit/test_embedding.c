@@ -14,9 +14,11 @@ static rsv_scene *unfinished(fixture *f)
     uint32_t id;
     assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
     assert_int_equal(rsv_scene_add_material(scene, &material, &id), RSV_OK);
-    const rsv_mesh_desc mesh = {
-        .positions = corner, .vertex_count = 3, .triangle_count = 1, .material = id
-    };
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .positions = corner,
+        .vertex_count = 3,
+        .triangle_count = 1,
+        .material = id };
     assert_int_equal(rsv_scene_add_mesh(scene, &mesh, &id), RSV_OK);
     assert_int_equal(rsv_scene_add_instance(scene, id, NULL, NULL), RSV_OK);
     return scene;

@@ -61,7 +61,8 @@ static void add_shade(rsv_scene *scene, const char *name, uint32_t material, rsv
             static const uint32_t fan[6] = { 0, 1, 2, 0, 2, 3 };
             index[next++] = quad[q][fan[inwards ? 5 - k : k]];
         }
-    rsv_mesh_desc desc = { .name = name,
+    rsv_mesh_desc desc = { .size = sizeof desc,
+        .name = name,
         .positions = corner,
         .vertex_count = 8,
         .indices = index,

@@ -230,7 +230,8 @@ static void add_quad(world *w, rsv_vec3 corner, rsv_vec3 edge1, rsv_vec3 edge2, 
     const rsv_vec3 far = v3_add(v3_add(corner, edge1), edge2);
     const rsv_vec3 position[6] = { corner, v3_add(corner, edge1), far, corner, far,
         v3_add(corner, edge2) };
-    rsv_mesh_desc mesh = { .name = "quad",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "quad",
         .positions = position,
         .vertex_count = 6,
         .triangle_count = 2,
@@ -408,7 +409,8 @@ static void one_pixel_is_a_constant_sky(void **state)
     rsv_light *solution;
     assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     assert_int_equal(rsv_probe_irradiance(solution,
-                         &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 1 }, &probe, 1, &solved),
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 1024, 1 },
+                         &probe, 1, &solved),
         RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, &probe, 1, 1024, 1, &traced), RSV_OK);
     assert_float_equal(solved.irradiance.g, 2 * RSV_PI, 1e-3);

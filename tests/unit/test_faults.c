@@ -119,7 +119,7 @@ static rsv_status run_file(fixture *f, const char *scene, products *p)
         status = rsv_light_load(f->context, path, &p->scene, &p->solution);
     }
     if (status == RSV_OK) {
-        rsv_relight_desc desc = { 0 };
+        rsv_relight_desc desc = { .size = sizeof desc };
         status = rsv_light_relight(p->solution, &desc);
     }
     remove_folder(made.path);

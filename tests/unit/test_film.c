@@ -116,7 +116,8 @@ static rsv_scene *lamp_scene(fixture *f, float wall)
     material.base_color = rgb_gray(wall);
     assert_int_equal(rsv_scene_add_material(scene, &material, &id), RSV_OK);
     for (uint32_t k = 0; k < 2; k++) {
-        const rsv_mesh_desc mesh = { .positions = k ? back : lamp,
+        const rsv_mesh_desc mesh = { .size = sizeof mesh,
+            .positions = k ? back : lamp,
             .vertex_count = 4,
             .indices = index,
             .triangle_count = 2,

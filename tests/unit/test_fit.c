@@ -111,7 +111,8 @@ static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
     ok(rsv_scene_create(context, scene));
     ok(rsv_scene_add_material(*scene, &grey, &material));
     ok(rsv_scene_add_mesh(*scene,
-        &(rsv_mesh_desc){ .name = "room",
+        &(rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+            .name = "room",
             .positions = (const rsv_vec3 *)corner,
             .vertex_count = 8,
             .indices = index,
@@ -159,7 +160,8 @@ static void judge(const rsv_light *light, const rsv_rgb factor[3],
     for (int k = 0; k < POINTS; k++)
         probe[k] = wanted[k].probe;
     ok(rsv_light_copy(light, &lit));
-    ok(rsv_light_relight(lit, &(rsv_relight_desc){ .light = scale, .light_count = 3 }));
+    ok(rsv_light_relight(lit,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = scale, .light_count = 3 }));
     ok(rsv_probe_reference(rsv_light_scene(lit), probe, POINTS, 65536, 0, reading));
     rsv_light_destroy(lit);
 }

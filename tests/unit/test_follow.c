@@ -267,7 +267,7 @@ static double mean_below(const rsv_light *light, float part)
     rsv_probe probe[SIDE * SIDE];
     rsv_probe_reading reading[SIDE * SIDE];
     rsv_vec3 low = view->bounds_min, size = v3_sub(view->bounds_max, low);
-    const rsv_probe_desc desc = { .mode = RSV_PROBE_LOOKUP, .samples = 16 };
+    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 16 };
     double sum = 0;
     for (int k = 0; k < SIDE * SIDE; k++) {
         float x = ((float)(k % SIDE) + 0.5f) / SIDE, z = ((float)(k / SIDE) + 0.5f) / SIDE;
@@ -404,15 +404,18 @@ static rsv_scene *fold_sheet(rsv_context *context, float fold, bool deforms)
     const rsv_vec3 floor[4] = { { -3, 0, -3 }, { -3, 0, 3 }, { 3, 0, 3 }, { 3, 0, -3 } };
     const rsv_vec3 up[4] = { { 0, 1, 0 }, { 0, 1, 0 }, { 0, 1, 0 }, { 0, 1, 0 } };
     const uint32_t folded[6] = { 0, 2, 1, 0, 1, 3 }, flat[6] = { 0, 1, 2, 0, 2, 3 };
-    const rsv_mesh_desc mesh[2] = {
-        { .positions = floor, .vertex_count = 4, .indices = flat, .triangle_count = 2 },
-        { .positions = sheet,
+    const rsv_mesh_desc mesh[2] = { { .size = sizeof *mesh,
+                                        .positions = floor,
+                                        .vertex_count = 4,
+                                        .indices = flat,
+                                        .triangle_count = 2 },
+        { .size = sizeof *mesh,
+            .positions = sheet,
             .normals = up,
             .vertex_count = 4,
             .indices = folded,
             .triangle_count = 2,
-            .deforms = deforms }
-    };
+            .deforms = deforms } };
     rsv_material paint = rsv_default_material();
     const rsv_punctual_light lamp = { .name = "lamp",
         .kind = RSV_PUNCTUAL_POINT,

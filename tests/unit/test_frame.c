@@ -417,7 +417,7 @@ static void reused_light_goes_with_its_source(void **state)
 {
     (void)state;
     const rsv_light_scale off = { "environment", { 0, 0, 0 } };
-    const rsv_relight_desc change = { .light = &off, .light_count = 1 };
+    const rsv_relight_desc change = { .size = sizeof change, .light = &off, .light_count = 1 };
     static rsv_rgb after[pixel_count], anew[pixel_count];
     world *w = mixed_world(false);
     rsv_light *solution = solve(w);
@@ -610,7 +610,7 @@ static void frames_follow_the_light(void **state)
 {
     (void)state;
     const rsv_light_scale dim = { "environment", { 0.3f, 0.3f, 0.3f } };
-    const rsv_relight_desc change = { .light = &dim, .light_count = 1 };
+    const rsv_relight_desc change = { .size = sizeof change, .light = &dim, .light_count = 1 };
     world *w = mixed_world(false);
     rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();

@@ -118,9 +118,12 @@ static void roughness_may_be_noise_or_nothing(void **state)
 {
     (void)state;
     static uint8_t noise[side * side * 3], zero[side * side * 3];
-    rsv_texture_desc desc = {
-        .name = "roughness", .width = side, .height = side, .channel_count = 3, .codes = noise
-    };
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "roughness",
+        .width = side,
+        .height = side,
+        .channel_count = 3,
+        .codes = noise };
     fill_noise(noise);
     for (int k = 0; k < 2; k++) {
         world *w = room_of(lambert_material(0.6f, 0), front);
@@ -137,9 +140,12 @@ static void roughness_may_be_no_number(void **state)
     static float values[side * side * 3];
     for (int k = 0; k < side * side * 3; k++)
         values[k] = k % 7 ? 0.4f : NAN;
-    const rsv_texture_desc desc = {
-        .name = "roughness", .width = side, .height = side, .channel_count = 3, .values = values
-    };
+    const rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "roughness",
+        .width = side,
+        .height = side,
+        .channel_count = 3,
+        .values = values };
     world *w = room_of(lambert_material(0.6f, 0), front);
     uint32_t texture;
     rsv_status status = rsv_scene_add_texture(w->scene, &desc, &texture);
@@ -158,9 +164,12 @@ static void normals_may_point_below_the_surface(void **state)
 {
     (void)state;
     static uint8_t noise[side * side * 3];
-    const rsv_texture_desc desc = {
-        .name = "normals", .width = side, .height = side, .channel_count = 3, .codes = noise
-    };
+    const rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "normals",
+        .width = side,
+        .height = side,
+        .channel_count = 3,
+        .codes = noise };
     fill_noise(noise);
     world *w = room_of(lambert_material(0.6f, 0), front);
     add_floor(w, glossy(0, 0.3f), RSV_TEXTURE_NORMAL, &desc);

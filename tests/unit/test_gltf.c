@@ -201,7 +201,8 @@ static void every_material_light_and_camera_survives_the_file(void **state)
     const uint32_t index[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
     const float mirror[16] = { -1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1 };
     for (uint32_t material = 0; material < 5; material++) {
-        rsv_mesh_desc mesh = { .name = "body",
+        rsv_mesh_desc mesh = { .size = sizeof mesh,
+            .name = "body",
             .positions = position,
             .normals = material % 2 ? normal : NULL,
             .vertex_count = 4,

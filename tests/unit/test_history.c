@@ -201,9 +201,12 @@ static uint64_t key_of_half(rsv_texture_role role, bool other_side, float shift)
     float shifted[4][2];
     for (int k = 0; k < 4; k++)
         shifted[k][0] = uv[k][0] + shift, shifted[k][1] = uv[k][1];
-    const rsv_texture_desc desc = {
-        .name = "half", .width = 2, .height = 1, .channel_count = 4, .values = texel[0]
-    };
+    const rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "half",
+        .width = 2,
+        .height = 1,
+        .channel_count = 4,
+        .values = texel[0] };
     world *w = world_begin(1);
     rsv_texture_ref ref = rsv_default_texture_ref(role, 0);
     rsv_material coat = lambert_material(0.5f, 0);
@@ -211,7 +214,8 @@ static uint64_t key_of_half(rsv_texture_role role, bool other_side, float shift)
     coat.textures = &ref;
     coat.texture_count = 1;
     assert_int_equal(rsv_scene_add_texture(w->scene, &desc, &ref.texture), RSV_OK);
-    const rsv_mesh_desc mesh = { .positions = corner,
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .positions = corner,
         .vertex_count = 4,
         .indices = index,
         .triangle_count = 2,

@@ -210,7 +210,8 @@ static rsv_scene *make_scene(rsv_context *context, const triangle *triangles, si
         material.double_sided = double_sided;
         uint32_t material_id, mesh_id;
         assert_int_equal(rsv_scene_add_material(scene, &material, &material_id), RSV_OK);
-        rsv_mesh_desc mesh = { .positions = triangles[i].corner,
+        rsv_mesh_desc mesh = { .size = sizeof mesh,
+            .positions = triangles[i].corner,
             .vertex_count = 3,
             .triangle_count = 1,
             .material = material_id };

@@ -75,7 +75,7 @@ static rsv_relight_desc with_factors(rsv_light_scale scale[2], rsv_rgb lamp, rsv
 {
     scale[0] = (rsv_light_scale){ "lamp", lamp };
     scale[1] = (rsv_light_scale){ "bulb", bulb };
-    return (rsv_relight_desc){ .light = scale, .light_count = 2 };
+    return (rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = scale, .light_count = 2 };
 }
 
 static rsv_image *mixed(stage *s, const rsv_relight_desc *change)

@@ -152,14 +152,16 @@ static world *long_hall(float lamp_size)
     const rsv_vec3 plane[6] = { { -4, 0, -50 }, { -4, 0, 50 }, { 4, 0, 50 }, { -4, 0, -50 },
         { 4, 0, 50 }, { 4, 0, -50 } };
     const rsv_vec3 lamp[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 1 } };
-    rsv_mesh_desc mesh = { .name = "floor",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "floor",
         .positions = plane,
         .vertex_count = 6,
         .triangle_count = 2,
         .material = floor_id };
     assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &floor_mesh), RSV_OK);
     assert_int_equal(rsv_scene_add_instance(w->scene, floor_mesh, NULL, NULL), RSV_OK);
-    mesh = (rsv_mesh_desc){ .name = "lamp",
+    mesh = (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+        .name = "lamp",
         .positions = lamp,
         .vertex_count = 3,
         .triangle_count = 1,
@@ -235,8 +237,9 @@ static void the_operator_agrees_with_the_reference(void **state)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_light *solution;
     assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(rsv_probe_irradiance(
-                         solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 8192, 1 }, probes, 2, a),
+    assert_int_equal(
+        rsv_probe_irradiance(solution,
+            &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 8192, 1 }, probes, 2, a),
         RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, probes, 2, 16384, 1, b), RSV_OK);
     for (int i = 0; i < 2; i++) {

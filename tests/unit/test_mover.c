@@ -114,9 +114,9 @@ static void light_on_it_is_that_of_the_scene(void **state)
     rsv_probe_reading reading[reading_count];
     double rms, bias;
     size_t step = list_vertices(mover, body, probe);
-    assert_int_equal(
-        rsv_probe_irradiance(solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 1024, 1 }, probe,
-            reading_count, reading),
+    assert_int_equal(rsv_probe_irradiance(solution,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 1024, 1 },
+                         probe, reading_count, reading),
         RSV_OK);
     compare_light(mover, step, reading, &rms, &bias);
     print_message("beside the scene: RMS %.4f, mean %+.4f\n", rms, bias);

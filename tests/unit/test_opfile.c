@@ -19,7 +19,8 @@ static uint32_t add_checkers(rsv_scene *scene)
         { { 40, 40, 250, 255 }, { 250, 250, 10, 255 } } };
     static const float values[3] = { 0.25f, 0.5f, 2.0f };
     uint32_t id;
-    rsv_texture_desc checkers = { .name = "checkers",
+    rsv_texture_desc checkers = { .size = sizeof checkers,
+        .name = "checkers",
         .width = 2,
         .height = 2,
         .channel_count = 4,
@@ -27,9 +28,12 @@ static uint32_t add_checkers(rsv_scene *scene)
         .srgb = true,
         .wrap_u = RSV_WRAP_MIRROR,
         .nearest = true };
-    rsv_texture_desc ramp = {
-        .name = "ramp", .width = 3, .height = 1, .channel_count = 1, .values = values
-    };
+    rsv_texture_desc ramp = { .size = sizeof ramp,
+        .name = "ramp",
+        .width = 3,
+        .height = 1,
+        .channel_count = 1,
+        .values = values };
     assert_int_equal(rsv_scene_add_texture(scene, &ramp, NULL), RSV_OK);
     assert_int_equal(rsv_scene_add_texture(scene, &checkers, &id), RSV_OK);
     return id;
@@ -61,7 +65,8 @@ static void add_square(rsv_scene *scene, const char *name, uint32_t material, rs
         float x = k == 1 || k == 2 ? size : -size, y = k >= 2 ? size : -size;
         p[k] = v3_add(centre, upright ? v3(x, y, 0) : v3(x, 0, -y));
     }
-    rsv_mesh_desc mesh = { .name = name,
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = name,
         .positions = p,
         .vertex_count = 4,
         .indices = indices,
@@ -200,9 +205,13 @@ static void check_same_probes(const rsv_light *a, const rsv_light *b)
     rsv_probe_reading left[2], right[2];
     for (int mode = RSV_PROBE_LOOKUP; mode <= RSV_PROBE_OPERATOR; mode++) {
         assert_int_equal(
-            rsv_probe_irradiance(a, &(rsv_probe_desc){ mode, 256, 5 }, probe, 2, left), RSV_OK);
+            rsv_probe_irradiance(
+                a, &(rsv_probe_desc){ sizeof(rsv_probe_desc), mode, 256, 5 }, probe, 2, left),
+            RSV_OK);
         assert_int_equal(
-            rsv_probe_irradiance(b, &(rsv_probe_desc){ mode, 256, 5 }, probe, 2, right), RSV_OK);
+            rsv_probe_irradiance(
+                b, &(rsv_probe_desc){ sizeof(rsv_probe_desc), mode, 256, 5 }, probe, 2, right),
+            RSV_OK);
         assert_memory_equal(left, right, sizeof left);
     }
 }

@@ -46,7 +46,8 @@ static void add_quad(rsv_scene *scene, uint32_t material, const float corner[4][
     static const float identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     uint32_t id;
-    const rsv_mesh_desc mesh = { .name = "quad",
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "quad",
         .positions = (const rsv_vec3 *)corner,
         .vertex_count = 4,
         .indices = index,
@@ -304,16 +305,20 @@ static void relighting_dims_and_aims(void **state)
     ok(rsv_relighter_create(solved, &relighter));
     const rsv_light_scale half = { "lamp", { 0.5f, 0.5f, 0.5f } };
     const rsv_light_aim aim = { "lamp", { 1, -2, 0.5f } }, none = { "lamp", { 0, 0, 0 } };
-    ok(rsv_relighter_change(relighter,
-        &(rsv_relight_desc){ .light = &half, .light_count = 1, .aim = &aim, .aim_count = 1 }));
+    ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc),
+                                           .light = &half,
+                                           .light_count = 1,
+                                           .aim = &aim,
+                                           .aim_count = 1 }));
     ok(rsv_relighter_refine(relighter));
     check_floor(solved, light.position, v3_normalize(aim.direction), 0.5, 0.01);
     const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(solved));
     assert_float_equal(v3_dot(view->light[0].side, view->light[0].direction), 0, 1e-6);
     assert_int_equal(
-        rsv_relighter_change(relighter, &(rsv_relight_desc){ .aim = &none, .aim_count = 1 }),
+        rsv_relighter_change(relighter,
+            &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .aim = &none, .aim_count = 1 }),
         RSV_ERROR_ARGUMENT);
-    ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ 0 }));
+    ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc) }));
     ok(rsv_relighter_refine(relighter));
     check_floor(solved, light.position, v3(0, -1, 0), 1, 0.01);
     rsv_relighter_destroy(relighter);
@@ -344,13 +349,15 @@ static void any_number_of_lights_is_relit(void **state)
         ok(rsv_relighter_create(solved, &relighter));
         for (int k = 0; k < lamps; k++)
             scale[k] = (rsv_light_scale){ name[k], rgb_gray(k == alone ? 1 : 0) };
-        ok(rsv_relighter_change(
-            relighter, &(rsv_relight_desc){ .light = scale, .light_count = lamps }));
+        ok(rsv_relighter_change(relighter,
+            &(rsv_relight_desc){
+                .size = sizeof(rsv_relight_desc), .light = scale, .light_count = lamps }));
         ok(rsv_relighter_settle(relighter));
         rsv_vec3 lamp = v3(-1.9f + 0.025f * (float)alone, 2, 0.3f * (float)(alone % 7) - 1);
         check_floor(
             solved, lamp, v3(0, -1, 0), 1, 0.04); // noise of the whole, whose lights are drawn
-        ok(rsv_relighter_change(relighter, &(rsv_relight_desc){ 0 }));
+        ok(rsv_relighter_change(
+            relighter, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc) }));
         ok(rsv_relighter_settle(relighter));
         rsv_relighter_destroy(relighter);
     }

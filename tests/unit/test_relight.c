@@ -72,7 +72,7 @@ static void scaled_lights_are_those_of_a_fresh_solve(void **state)
     (void)state;
     const rsv_light_scale scales[] = { { "light", { 0.5f, 0.5f, 0.5f } }, { "bulb", { 3, 3, 3 } },
         { "torch", { 0, 0, 0 } } };
-    const rsv_relight_desc desc = { .light = scales, .light_count = 3 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = scales, .light_count = 3 };
     world *w = lit_box((float[]){ 1, 1, 1 }), *other = lit_box((float[]){ 0.5f, 3, 0 });
     rsv_light *relit = solve(w, false), *fresh = solve(other, false);
     relight(relit, &desc);
@@ -90,7 +90,7 @@ static void scaled_lights_are_those_of_a_fresh_solve(void **state)
 static void scaling_nothing_changes_nothing(void **state)
 {
     (void)state;
-    const rsv_relight_desc desc = { 0 };
+    const rsv_relight_desc desc = { .size = sizeof desc };
     world *w = lit_box((float[]){ 1, 1, 1 });
     rsv_light *before = solve(w, true), *after = solve(w, true);
     relight(after, &desc);
@@ -109,7 +109,7 @@ static void changed_albedos_are_those_of_a_fresh_solve(void **state)
 {
     (void)state;
     const rsv_albedo_change change = { "red", { 0.1f, 0.2f, 0.7f } };
-    const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .albedo = &change, .albedo_count = 1 };
     world *w = lit_box((float[]){ 1, 1, 1 }), *other = lit_box((float[]){ 1, 1, 1 });
     for (size_t m = 0; m < own_scene(other)->material_count; m++)
         if (strcmp(own_scene(other)->material[m].name, "red") == 0)
@@ -148,7 +148,7 @@ static world *room_with_pattern(rsv_rgb base_color)
 static void check_textured_color(rsv_rgb before)
 {
     const rsv_albedo_change change = { "pattern", { 0.9f, 0.2f, 0.5f } };
-    const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .albedo = &change, .albedo_count = 1 };
     world *w = room_with_pattern(before), *other = room_with_pattern(change.base_color);
     rsv_light *relit = solve(w, false), *fresh = solve(other, false);
     relight(relit, &desc);
@@ -187,13 +187,23 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
     const rsv_light_scale moon = { "moon", { 1, 1, 1 } }, dark = { "bulb", { -1, 1, 1 } };
     const rsv_albedo_change gold = { "gold", { 1, 1, 1 } }, glass = { "glass", { 1, 1, 1 } },
                             bright = { "red", { 2, 1, 1 } };
-    check_refused(
-        s, &(rsv_relight_desc){ .light = &moon, .light_count = 1 }, "'moon'", "'bulb', 'torch'");
-    check_refused(s, &(rsv_relight_desc){ .light = &dark, .light_count = 1 }, "'bulb'", "from 0");
-    check_refused(s, &(rsv_relight_desc){ .albedo = &gold, .albedo_count = 1 }, "'gold'", "'red'");
-    check_refused(s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "again");
-    check_refused(
-        s, &(rsv_relight_desc){ .albedo = &bright, .albedo_count = 1 }, "'red'", "0 .. 1");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = &moon, .light_count = 1 },
+        "'moon'", "'bulb', 'torch'");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = &dark, .light_count = 1 },
+        "'bulb'", "from 0");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .albedo = &gold, .albedo_count = 1 },
+        "'gold'", "'red'");
+    check_refused(s,
+        &(rsv_relight_desc){
+            .size = sizeof(rsv_relight_desc), .albedo = &glass, .albedo_count = 1 },
+        "'glass'", "again");
+    check_refused(s,
+        &(rsv_relight_desc){
+            .size = sizeof(rsv_relight_desc), .albedo = &bright, .albedo_count = 1 },
+        "'red'", "0 .. 1");
     rsv_light_destroy(s);
     world_end(w);
 }
@@ -242,7 +252,7 @@ static void check_moved(bool direct_level)
 {
     const rsv_vec3 offset = { -0.7f, 0.4f, 0.5f };
     const rsv_light_move moves[] = { { "lamp", offset }, { "bulb", offset } };
-    const rsv_relight_desc desc = { .move = moves, .move_count = 2 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .move = moves, .move_count = 2 };
     world *w = yard(v3(0, 0, 0)), *other = yard(offset);
     rsv_light *relit = solve(w, direct_level), *fresh = solve(other, direct_level);
     relight(relit, &desc);
@@ -333,9 +343,11 @@ static void moved_caustics_are_as_sharp_as_fresh_ones(void **state)
     const rsv_light_move move = { "spot", { -0.9f, 0, 0 } }, none = { "spot", { 0, 0, 0 } };
     world *w, *other;
     rsv_light *s = ball_below_spot(0.6f, &w), *wanted = ball_below_spot(-0.3f, &other);
-    relight(s, &(rsv_relight_desc){ .move = &none, .move_count = 1 });
+    relight(
+        s, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &none, .move_count = 1 });
     look_at_floor(inside(s)->fine.elements, part_named(s, "bulb")->fine, before);
-    relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
+    relight(
+        s, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &move, .move_count = 1 });
     look_at_floor(inside(s)->fine.elements, part_named(s, "bulb")->fine, after);
     look_at_floor(inside(s)->caustics.elements, inside(s)->caustics.caustic, relit);
     look_at_floor(inside(wanted)->caustics.elements, inside(wanted)->caustics.caustic, fresh);
@@ -380,16 +392,17 @@ static void only_the_last_change_counts(void **state)
     const rsv_light_move move = { "lamp", { 0.5f, 0.1f, 0 } };
     const rsv_light_scale off = { "lamp", { 0, 0, 0 } }, blue = { "bulb", { 0, 1, 3 } };
     const rsv_albedo_change dark = { "lambert", { 0.1f, 0.1f, 0.1f } };
-    const rsv_relight_desc first = { .light = &off,
+    const rsv_relight_desc first = { .size = sizeof first,
+        .light = &off,
         .light_count = 1,
         .move = &move,
         .move_count = 1,
         .albedo = &dark,
         .albedo_count = 1 };
     const rsv_relight_desc second = {
-        .light = &blue, .light_count = 1, .move = &move, .move_count = 1
+        .size = sizeof second, .light = &blue, .light_count = 1, .move = &move, .move_count = 1
     };
-    const rsv_relight_desc third = { 0 };
+    const rsv_relight_desc third = { .size = sizeof third };
     world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
     rsv_light *s = solve(w, true), *once = solve(other, true);
     size_t nodes = inside(s)->elements->node_count;
@@ -430,7 +443,8 @@ static rsv_rgb *preview_at_yard(int threads, bool globe, size_t *count, rsv_rgb 
     rsv_light *s = solve(w, true);
     rsv_relighter *r;
     begin_relighting(s, &r);
-    change(r, &(rsv_relight_desc){ .move = moves, .move_count = 2 });
+    change(
+        r, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = moves, .move_count = 2 });
     size_t bytes = (*count = inside(s)->fine.elements->node_count) * sizeof **rest;
     rsv_rgb *preview = memcpy(malloc(bytes), inside(s)->fine.direct, bytes);
     assert_true(rsv_relighter_rays(r) > 0);
@@ -569,7 +583,7 @@ static void added_lights_are_those_of_a_fresh_solve(void **state)
     const rsv_light_scale twice = { "spark", { 2, 2, 2 } };
     const rsv_light_move lift = { "spark", { 0, 0.3f, 0 } };
     const rsv_relight_desc desc = {
-        .light = &twice, .light_count = 1, .move = &lift, .move_count = 1
+        .size = sizeof desc, .light = &twice, .light_count = 1, .move = &lift, .move_count = 1
     };
     rsv_punctual_light light = spark(), there = spark();
     there.intensity = rgb_scale(light.intensity, 2);
@@ -604,7 +618,7 @@ static void steps_lead_to_the_solution(void **state)
 {
     (void)state;
     const rsv_light_scale scales[] = { { "light", { 0.1f, 2, 2 } }, { "bulb", { 9, 9, 9 } } };
-    const rsv_relight_desc desc = { .light = scales, .light_count = 2 };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = scales, .light_count = 2 };
     world *w = lit_box((float[]){ 1, 1, 1 });
     rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
@@ -666,7 +680,9 @@ static void prepared_strengths_are_right_at_once(void **state)
     const rsv_light_scale lit[] = { { "lamp", { 2, 1, 3 } }, { "bulb", { 0, 0, 0 } } };
     const rsv_light_move move = { "lamp", { 0.5f, 0.1f, 0 } };
     const rsv_albedo_change dark = { "lambert", { 0.1f, 0.5f, 0.1f } };
-    rsv_relight_desc later = { .move = &move, .move_count = 1, .albedo = &dark, .albedo_count = 1 };
+    rsv_relight_desc later = {
+        .size = sizeof later, .move = &move, .move_count = 1, .albedo = &dark, .albedo_count = 1
+    };
     world *w = yard(v3(0, 0, 0));
     rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
@@ -677,8 +693,10 @@ static void prepared_strengths_are_right_at_once(void **state)
     assert_int_equal(rsv_relighter_prepare(r), RSV_OK);
     assert_memory_equal(inside(s)->irradiance, began, nodes * sizeof *began);
     assert_true(rsv_relighter_is_settled(r));
-    check_at_once(r, s, &(rsv_relight_desc){ .light = dim, .light_count = 2 });
-    check_at_once(r, s, &(rsv_relight_desc){ .light = lit, .light_count = 2 });
+    check_at_once(r, s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = dim, .light_count = 2 });
+    check_at_once(r, s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .light = lit, .light_count = 2 });
     change(r, &later);
     assert_int_equal(rsv_relighter_settle(r), RSV_OK);
     later.light = dim;
@@ -696,9 +714,12 @@ static void what_cannot_move_is_refused(void **state)
     world *w = lit_box((float[]){ 1, 1, 1 });
     rsv_light *s = solve(w, false);
     const rsv_light_move moon = { "moon", { 0, 1, 0 } }, far = { "bulb", { NAN, 0, 0 } };
-    check_refused(
-        s, &(rsv_relight_desc){ .move = &moon, .move_count = 1 }, "'moon'", "'bulb', 'torch'");
-    check_refused(s, &(rsv_relight_desc){ .move = &far, .move_count = 1 }, "'bulb'", "moved by");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &moon, .move_count = 1 },
+        "'moon'", "'bulb', 'torch'");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &far, .move_count = 1 },
+        "'bulb'", "moved by");
     rsv_light_destroy(s);
     world_end(w);
 }
@@ -720,7 +741,8 @@ static void lights_of_one_operator_leave_each_other_alone(void **state)
                           off = { "light", { 0, 0, 0 } };
     const rsv_albedo_change paint = { "red", { 0.1f, 0.2f, 0.7f } };
     const rsv_light_move move = { "bulb", { 0.1f, 0, 0 } };
-    const rsv_relight_desc first = { .light = &dim,
+    const rsv_relight_desc first = { .size = sizeof first,
+        .light = &dim,
         .light_count = 1,
         .albedo = &paint,
         .albedo_count = 1 },
@@ -737,7 +759,9 @@ static void lights_of_one_operator_leave_each_other_alone(void **state)
     relight(alone, &first);
     assert_true(difference_of(a, alone) == 0);
     assert_true(difference_of(home, a) > 0.1 && difference_of(a, b) > 0.1);
-    relight(b, &(rsv_relight_desc){ 0 }); // as it was when this began: still off and moved
+    relight(b,
+        &(rsv_relight_desc){
+            .size = sizeof(rsv_relight_desc) }); // as it was when this began: still off and moved
     rsv_light_destroy(home);
     assert_true(difference_of(a, alone) == 0);
     rsv_light_destroy(alone);
@@ -755,13 +779,15 @@ static void copies_of_a_moved_light_move_on_alone(void **state)
                          on = { "light", { 0, -0.1f, 0.05f } };
     world *w = lit_box((float[]){ 1, 1, 1 });
     rsv_light *s = solve(w, true), *copy;
-    relight(s, &(rsv_relight_desc){ .move = &there, .move_count = 1 });
+    relight(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &there, .move_count = 1 });
     assert_int_equal(rsv_light_copy(s, &copy), RSV_OK);
     assert_true(difference_of(s, copy) == 0);
     rsv_vec3 *before = malloc(inside(s)->scene.view->vertex_count * sizeof *before);
     memcpy(before, inside(s)->scene.view->position,
         inside(s)->scene.view->vertex_count * sizeof *before);
-    relight(copy, &(rsv_relight_desc){ .move = &on, .move_count = 1 });
+    relight(copy,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &on, .move_count = 1 });
     assert_memory_equal(before, inside(s)->scene.view->position,
         inside(s)->scene.view->vertex_count * sizeof *before);
     assert_true(difference_of(s, copy) > 0.001);
@@ -846,12 +872,14 @@ static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
     rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
     const rsv_light_move nudge = { "bulb", { 1e-6f, 0, 0 } };
-    relight(s, &(rsv_relight_desc){ .move = &nudge, .move_count = 1 });
+    relight(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &nudge, .move_count = 1 });
     assert_non_null(part_named(s, "light"));
     rsv_rgb *lamp = copy_of(part_named(s, "light")->direct, nodes);
     rsv_rgb *torch = copy_of(part_named(s, "torch")->direct, nodes);
     for (int k = 0; k < 4; k++) {
-        relight(s, &(rsv_relight_desc){ .move = &nudge, .move_count = 1 });
+        relight(s, &(rsv_relight_desc){
+                       .size = sizeof(rsv_relight_desc), .move = &nudge, .move_count = 1 });
         const rsv_light_part *light = part_named(s, "light"), *other = part_named(s, "torch");
         assert_true(light && other);
         if (!light || !other) return;
@@ -876,7 +904,8 @@ static void going_back_ends_where_it_began(void **state)
     const rsv_light_move move = { "bulb", { 0.1f, -0.05f, 0 } };
     const rsv_light_scale dim = { "light", { 0, 0.5f, 1 } };
     const rsv_albedo_change paint = { "red", { 0.1f, 0.2f, 0.7f } };
-    const rsv_relight_desc there = { .move = &move,
+    const rsv_relight_desc there = { .size = sizeof there,
+        .move = &move,
         .move_count = 1,
         .light = &dim,
         .light_count = 1,
@@ -889,7 +918,7 @@ static void going_back_ends_where_it_began(void **state)
         if (k > 0) assert_int_equal(rsv_relighter_refine(r), RSV_OK);
         assert_int_equal(rsv_relighter_replacements(r), k == 0 ? 0 : 2 * k - 1);
         assert_true(largest_difference(first, inside(s)->source, nodes) > 0.01);
-        change(r, &(rsv_relight_desc){ 0 });
+        change(r, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc) });
         assert_int_equal(rsv_relighter_settle(r), RSV_OK);
         assert_int_equal(inside(s)->fine.elements->node_count, fine);
         assert_memory_equal(light, inside(s)->irradiance, nodes * sizeof *light);
@@ -927,12 +956,14 @@ static void walls_that_absorb_nothing_are_refused_and_change_nothing(void **stat
     rsv_rgb *light = copy_of(inside(s)->irradiance, nodes);
     rsv_relighter *r;
     begin_relighting(s, &r);
-    assert_int_equal(
-        rsv_relighter_change(r, &(rsv_relight_desc){ .albedo = &white, .albedo_count = 1 }),
+    assert_int_equal(rsv_relighter_change(r, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc),
+                                                 .albedo = &white,
+                                                 .albedo_count = 1 }),
         RSV_ERROR_SCENE);
     assert_int_equal(rsv_relighter_step(r, 10, NULL), RSV_OK);
     assert_memory_equal(light, inside(s)->irradiance, nodes * sizeof *light);
-    change(r, &(rsv_relight_desc){ .albedo = &grey, .albedo_count = 1 });
+    change(r, &(rsv_relight_desc){
+                  .size = sizeof(rsv_relight_desc), .albedo = &grey, .albedo_count = 1 });
     assert_int_equal(rsv_relighter_settle(r), RSV_OK);
     assert_true(inside(s)->irradiance[0].g < light[0].g);
     free(light);
@@ -958,7 +989,8 @@ static void a_lamp_that_was_moved_into_a_ceiling_is_seen(void **state)
     for (int k = 0; k < 3; k++) {
         const rsv_light_move move = { name, step[k] };
         offset = v3_add(offset, step[k]);
-        relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
+        relight(s, &(rsv_relight_desc){
+                       .size = sizeof(rsv_relight_desc), .move = &move, .move_count = 1 });
         for (int place = 0; place < 16; place++) {
             rsv_vec3 at = v3(1.82f + 0.024f * (float)place, 2.63f, 2.12f + 0.024f * (float)place);
             rsv_vec3 eye = v3(1.3f, 0.4f, 2.2f);
@@ -985,7 +1017,9 @@ static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
     rsv_light *s = solve(w, false);
     const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
     const rsv_light_move move = { name, { 0, -0.1f, 0 } };
-    check_refused(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 }, name, "solve the scene again");
+    check_refused(s,
+        &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc), .move = &move, .move_count = 1 },
+        name, "solve the scene again");
     rsv_light_destroy(s);
     world_end(w);
 }

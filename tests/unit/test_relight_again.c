@@ -52,7 +52,7 @@ static void relight(rsv_light *light, const float factor[LIGHTS])
     rsv_light_scale scale[LIGHTS];
     for (int k = 0; k < LIGHTS; k++)
         scale[k] = (rsv_light_scale){ name[k], { factor[k], factor[k], factor[k] } };
-    const rsv_relight_desc desc = { .light = scale, .light_count = LIGHTS };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = scale, .light_count = LIGHTS };
     if (rsv_light_relight(light, &desc) != RSV_OK) fail_msg("%s", rsv_last_error());
 }
 
@@ -143,8 +143,10 @@ static void what_is_not_named_stays_as_it_was(void **state)
     rsv_light *together = solve(w), *light = solve(w);
     relight(together, both);
     relight(light, dark);
-    assert_int_equal(
-        rsv_light_relight(light, &(rsv_relight_desc){ .light = &dim, .light_count = 1 }), RSV_OK);
+    assert_int_equal(rsv_light_relight(light,
+                         &(rsv_relight_desc){
+                             .size = sizeof(rsv_relight_desc), .light = &dim, .light_count = 1 }),
+        RSV_OK);
     check_same(light, together);
     rsv_light_destroy(together);
     rsv_light_destroy(light);
@@ -234,7 +236,7 @@ static void chains_through_files_keep_what_does_not_move(void **state)
     rsv_light *first = reload(w, light, &first_scene);
     for (int k = 0; k < 4; k++) {
         const rsv_light_move move = { "bulb", { k % 2 ? -0.5f : 0.5f, 0, 0 } };
-        const rsv_relight_desc moved = { .move = &move, .move_count = 1 };
+        const rsv_relight_desc moved = { .size = sizeof moved, .move = &move, .move_count = 1 };
         rsv_scene *next;
         if (rsv_light_relight(light, &moved) != RSV_OK) fail_msg("%s", rsv_last_error());
         rsv_light *loaded = reload(w, light, &next);
@@ -258,9 +260,9 @@ static void roughly_sampled_parts_are_sampled_in_full_later(void **state)
     (void)state;
     const rsv_light_move move = { "bulb", { 0.5f, 0, 0 } };
     const rsv_light_scale off_now = { "lamp", { 0, 0, 0 } }, on_again = { "lamp", { 1, 1, 1 } };
-    const rsv_relight_desc moved = { .move = &move, .move_count = 1 };
+    const rsv_relight_desc moved = { .size = sizeof moved, .move = &move, .move_count = 1 };
     const rsv_relight_desc both = {
-        .light = &off_now, .light_count = 1, .move = &move, .move_count = 1
+        .size = sizeof both, .light = &off_now, .light_count = 1, .move = &move, .move_count = 1
     };
     world *w = yard();
     rsv_light *once = solve(w), *light = solve(w);
@@ -269,8 +271,9 @@ static void roughly_sampled_parts_are_sampled_in_full_later(void **state)
     assert_int_equal(rsv_relighter_create(light, &relighter), RSV_OK);
     assert_int_equal(rsv_relighter_change(relighter, &both), RSV_OK);
     rsv_relighter_destroy(relighter); // before it settles
-    assert_int_equal(
-        rsv_light_relight(light, &(rsv_relight_desc){ .light = &on_again, .light_count = 1 }),
+    assert_int_equal(rsv_light_relight(light, &(rsv_relight_desc){ .size = sizeof(rsv_relight_desc),
+                                                  .light = &on_again,
+                                                  .light_count = 1 }),
         RSV_OK);
     check_near(light, once, 1e-3f);
     rsv_light_destroy(once);
@@ -316,7 +319,7 @@ static void lights_of_one_name_are_told_apart_by_number(void **state)
     rsv_light_scale scale = { "#3", { 0, 0, 0 } };
     rsv_light_move move = { "#1", { 0, 0.5f, 0 } };
     const rsv_relight_desc desc = {
-        .light = &scale, .light_count = 1, .move = &move, .move_count = 1
+        .size = sizeof desc, .light = &scale, .light_count = 1, .move = &move, .move_count = 1
     };
     assert_int_equal(rsv_light_relight(light, &desc), RSV_OK);
     const rsv_scene_view *lit = rsv_scene_get_view(rsv_light_scene(light));

@@ -273,8 +273,9 @@ static void a_room_of_mirrors_shows_its_lamp_everywhere(void **state)
     assert_close(mean_of(image, 0), 5, 0.15);
     rsv_image_destroy(image);
     rsv_probe_reading reading;
-    assert_int_equal(rsv_probe_irradiance(
-                         s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 0 }, &probe, 1, &reading),
+    assert_int_equal(rsv_probe_irradiance(s,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 4096, 0 },
+                         &probe, 1, &reading),
         RSV_OK);
     assert_close(reading.irradiance.g, 5 * RSV_PI, 0.15 * (double)RSV_PI);
     rsv_light_destroy(s);
@@ -439,8 +440,9 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
         { { 0.9f, 0.9f, 0 }, { -0.7f, -0.7f, 0 } }, { { -1, 0.2f, 0.1f }, { 1, 0, 0 } } };
     enum { COUNT = sizeof probe / sizeof *probe };
     rsv_probe_reading found[COUNT], expected[COUNT];
-    assert_int_equal(rsv_probe_irradiance(
-                         s, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 }, probe, COUNT, found),
+    assert_int_equal(rsv_probe_irradiance(s,
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 4096, 1 },
+                         probe, COUNT, found),
         RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, probe, COUNT, 8192, 1, expected), RSV_OK);
     for (int k = 0; k < COUNT; k++) {

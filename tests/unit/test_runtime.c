@@ -73,7 +73,7 @@ static void relight(const solved_file *f, const rsv_rt_file *file, uint32_t coun
     for (uint32_t l = 0; l < count && rsv_rt_file_light(file, l); l++)
         light[named++] = (rsv_light_scale){ rsv_rt_file_light(file, l),
             { scale[l][0], scale[l][1], scale[l][2] } };
-    const rsv_relight_desc desc = { .light = light, .light_count = named };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = light, .light_count = named };
     assert_int_equal(rsv_light_load(f->context, f->path, scene, s), RSV_OK);
     if (rsv_light_relight(*s, &desc) != RSV_OK) fail_msg("%s", rsv_last_error());
 }

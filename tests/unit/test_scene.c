@@ -17,7 +17,8 @@ static rsv_scene *new_scene(fixture *f)
 
 static rsv_mesh_desc triangle_mesh(const rsv_vec3 *normals)
 {
-    return (rsv_mesh_desc){ .name = "triangle",
+    return (rsv_mesh_desc){ .size = sizeof(rsv_mesh_desc),
+        .name = "triangle",
         .positions = unit_triangle,
         .normals = normals,
         .vertex_count = 3,
@@ -88,7 +89,8 @@ static void missing_normals_make_flat_triangles(void **state)
     rsv_scene *scene = new_scene(*state);
     const rsv_vec3 folded[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0.5f }, { 0, 1, 0 } };
     const uint32_t indices[6] = { 0, 1, 2, 0, 2, 3 };
-    rsv_mesh_desc mesh = { .name = "fold",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "fold",
         .positions = folded,
         .vertex_count = 4,
         .indices = indices,
@@ -123,7 +125,8 @@ static void degenerate_triangles_get_one_warning(void **state)
     rsv_scene *scene = new_scene(f);
     const rsv_vec3 positions[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 } };
     const uint32_t indices[9] = { 0, 1, 3, 0, 1, 2, 1, 1, 2 };
-    rsv_mesh_desc mesh = { .name = "slivers",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "slivers",
         .positions = positions,
         .vertex_count = 4,
         .indices = indices,
@@ -182,7 +185,8 @@ static void a_scale_of_zero_across_a_body_skips_it(void **state)
     const rsv_vec3 corner[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
     const uint32_t index[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
     const float flat[16] = { 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-    const rsv_mesh_desc mesh = { .name = "body",
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "body",
         .positions = corner,
         .vertex_count = 4,
         .indices = index,

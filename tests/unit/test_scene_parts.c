@@ -28,7 +28,8 @@ static void send_all(FILE *to)
     material.name = "clay";
     material.base_color = (rsv_rgb){ 0.25f, 0.5f, 0.75f };
     material.double_sided = true;
-    const rsv_mesh_desc mesh = { .name = "leaf",
+    const rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "leaf",
         .positions = position,
         .normals = normal,
         .vertex_count = 3,

@@ -50,7 +50,8 @@ static void add_card(world *w, float cutoff, float opacity)
         const float leaf[4] = { 0.2f, 0.6f, 0.1f, is_leaf(k % SIDE, k / SIDE, SIDE) ? opacity : 0 };
         memcpy(texel[k], leaf, sizeof leaf);
     }
-    rsv_texture_desc texture = { .name = "leaves",
+    rsv_texture_desc texture = { .size = sizeof texture,
+        .name = "leaves",
         .width = SIDE,
         .height = SIDE,
         .channel_count = 4,
@@ -222,8 +223,9 @@ static void curtains_dim_all_that_passes(void **state)
         rsv_light *s = solve(w);
         rsv_probe probe = { v3(0.11f, 0, 0.07f), v3(0, 1, 0) };
         rsv_probe_reading reading;
-        assert_int_equal(rsv_probe_irradiance(
-                             s, &(rsv_probe_desc){ RSV_PROBE_LOOKUP, 256, 1 }, &probe, 1, &reading),
+        assert_int_equal(rsv_probe_irradiance(s,
+                             &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_LOOKUP, 256, 1 },
+                             &probe, 1, &reading),
             RSV_OK);
         mean[k] = reading.irradiance.g;
         rsv_light_destroy(s);
@@ -331,7 +333,8 @@ static void add_coarse_sphere(world *w, uint32_t material, rsv_vec3 centre, bool
         if (k >= AROUND) memcpy(index[count++], upper, sizeof upper);
         if (k < AROUND * (ALONG - 1)) memcpy(index[count++], lower, sizeof lower);
     }
-    rsv_mesh_desc mesh = { .name = "sphere",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "sphere",
         .positions = position,
         .normals = smooth ? normal : NULL,
         .vertex_count = (AROUND + 1) * (ALONG + 1),

@@ -116,7 +116,8 @@ static void lookups_find_the_side_that_a_probe_lies_on(void **state)
         { v3(0.3f, 0.4f, 0), v3(0, 0, -1) } };
     rsv_probe_reading reading[2];
     assert_int_equal(
-        rsv_probe_irradiance(s, &(rsv_probe_desc){ RSV_PROBE_LOOKUP, 1, 1 }, probe, 2, reading),
+        rsv_probe_irradiance(s, &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_LOOKUP, 1, 1 },
+            probe, 2, reading),
         RSV_OK);
     assert_close(reading[0].irradiance.g, 2, 4e-3);
     assert_close(reading[1].irradiance.g, 0, 1e-6);

@@ -13,7 +13,8 @@ static uint32_t add_codes(rsv_scene *scene, uint32_t width, uint32_t height, uin
     const uint8_t *codes, bool srgb, bool nearest)
 {
     uint32_t id;
-    rsv_texture_desc desc = { .name = "codes",
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "codes",
         .width = width,
         .height = height,
         .channel_count = channels,
@@ -33,7 +34,8 @@ static void add_square(rsv_scene *scene, uint32_t material, float size, rsv_vec3
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     for (int k = 0; k < 4; k++)
         position[k] = v3_add(position[k], centre);
-    rsv_mesh_desc mesh = { .name = "square",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "square",
         .positions = position,
         .vertex_count = 4,
         .indices = index,
@@ -111,7 +113,9 @@ static void pyramid_keeps_the_mean_of_odd_sizes(void **state)
         values[k / 3][k % 3] = (float)(rsv_unit_float(rsv_hash((uint32_t)k)) * (k % 7));
         mean[k % 3] += values[k / 3][k % 3] / (double)(W * H);
     }
-    rsv_texture_desc desc = { .width = W, .height = H, .channel_count = 3, .values = values[0] };
+    rsv_texture_desc desc = {
+        .size = sizeof desc, .width = W, .height = H, .channel_count = 3, .values = values[0]
+    };
     rsv_texture texture;
     assert_int_equal(rsv_texture_create(f->context, &desc, &texture), RSV_OK);
     assert_int_equal(texture.level_count, 6); // 37 18 9 4 2 1
@@ -127,7 +131,8 @@ static void codes_are_averaged_in_linear_light(void **state)
 {
     fixture *f = *state;
     static const uint8_t codes[2][4] = { { 0, 0, 0, 0 }, { 255, 188, 64, 128 } };
-    rsv_texture_desc desc = { .width = 2,
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .width = 2,
         .height = 1,
         .channel_count = 4,
         .codes = codes[0],
@@ -147,9 +152,13 @@ static void codes_are_averaged_in_linear_light(void **state)
 static float looked_up(rsv_context *context, rsv_wrap wrap, float u)
 {
     static const uint8_t codes[4] = { 0, 51, 102, 255 };
-    rsv_texture_desc desc = {
-        .width = 4, .height = 1, .channel_count = 1, .codes = codes, .wrap_u = wrap, .nearest = true
-    };
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .width = 4,
+        .height = 1,
+        .channel_count = 1,
+        .codes = codes,
+        .wrap_u = wrap,
+        .nearest = true };
     rsv_texture texture;
     assert_int_equal(rsv_texture_create(context, &desc, &texture), RSV_OK);
     float value = rsv_texture_lookup(&texture, u, 0.5f, 0).r;
@@ -234,7 +243,8 @@ static void normal_map_is_continuous_across_smooth_edges(void **state)
     uint32_t id;
     assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
     uint32_t texture = add_codes(scene, 1, 1, 3, codes, false, false);
-    rsv_mesh_desc mesh = { .name = "fold",
+    rsv_mesh_desc mesh = { .size = sizeof mesh,
+        .name = "fold",
         .positions = position,
         .normals = normal,
         .vertex_count = 4,
@@ -304,9 +314,12 @@ static void unusable_textures_are_refused(void **state)
     static const uint8_t code[4] = { 0 };
     rsv_scene *scene;
     assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
-    rsv_texture_desc desc = {
-        .name = "huge", .width = 100000, .height = 1, .channel_count = 1, .codes = code
-    };
+    rsv_texture_desc desc = { .size = sizeof desc,
+        .name = "huge",
+        .width = 100000,
+        .height = 1,
+        .channel_count = 1,
+        .codes = code };
     assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_ERROR_FORMAT);
     assert_mentions(rsv_last_error(), "texture 'huge': 100000 x 1");
     desc.width = 0;
@@ -315,9 +328,12 @@ static void unusable_textures_are_refused(void **state)
     desc.codes = NULL;
     assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_ERROR_ARGUMENT);
     float values[3] = { NAN, INFINITY, 1 };
-    desc = (rsv_texture_desc){
-        .name = "holes", .width = 1, .height = 1, .channel_count = 3, .values = values
-    };
+    desc = (rsv_texture_desc){ .size = sizeof(rsv_texture_desc),
+        .name = "holes",
+        .width = 1,
+        .height = 1,
+        .channel_count = 3,
+        .values = values };
     assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_OK);
     assert_mentions(f->log, "texture 'holes': 2 values are not finite");
 
@@ -351,7 +367,8 @@ static rsv_rgb read_irradiance(const rsv_scene *scene, rsv_probe_mode mode, rsv_
     rsv_light *solution;
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     assert_int_equal(
-        rsv_probe_irradiance(solution, &(rsv_probe_desc){ mode, 1 << 16, 1 }, &probe, 1, &reading),
+        rsv_probe_irradiance(solution,
+            &(rsv_probe_desc){ sizeof(rsv_probe_desc), mode, 1 << 16, 1 }, &probe, 1, &reading),
         RSV_OK);
     rsv_light_destroy(solution);
     return reading.irradiance;
@@ -422,8 +439,9 @@ static void textured_emitters_are_sampled_by_brightness(void **state)
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     // one sample in four casts a shadow ray there
     assert_int_equal(
-        rsv_probe_irradiance(
-            solution, &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 8 * SAMPLES, 1 }, &probe, 1, &solved),
+        rsv_probe_irradiance(solution,
+            &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 8 * SAMPLES, 1 }, &probe,
+            1, &solved),
         RSV_OK);
     assert_float_equal(
         traced.irradiance.g, expected, 4 * traced.standard_error.g + 1e-5 * expected);
@@ -444,7 +462,8 @@ static double below_lamp(rsv_scene *scene, rsv_probe_reading *reading)
     desc.element_target = 50;
     assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     assert_int_equal(rsv_probe_irradiance(solution,
-                         &(rsv_probe_desc){ RSV_PROBE_OPERATOR, 4096, 1 }, &probe, 1, reading),
+                         &(rsv_probe_desc){ sizeof(rsv_probe_desc), RSV_PROBE_OPERATOR, 4096, 1 },
+                         &probe, 1, reading),
         RSV_OK);
     rsv_light_destroy(solution);
     return reading->irradiance.g;
@@ -548,7 +567,8 @@ static void add_cube(rsv_scene *scene, uint32_t material)
             float c[3] = { side, 2 * uv[k][0] - 1, side * (2 * uv[k][1] - 1) };
             position[k] = v3(c[(3 - wall / 2) % 3], c[(4 - wall / 2) % 3], c[(5 - wall / 2) % 3]);
         }
-        rsv_mesh_desc mesh = { .name = "wall",
+        rsv_mesh_desc mesh = { .size = sizeof mesh,
+            .name = "wall",
             .positions = position,
             .vertex_count = 4,
             .indices = index,

@@ -122,7 +122,7 @@ static void turn_by_library(open_box *b, float degrees, float lamp)
 {
     const rsv_light_scale scale = { "light", { lamp, lamp, lamp } };
     const rsv_relight_desc desc = {
-        .light = &scale, .light_count = 1, .turn = true, .rotation = degrees
+        .size = sizeof desc, .light = &scale, .light_count = 1, .turn = true, .rotation = degrees
     };
     if (!b->relighter) assert_int_equal(rsv_relighter_create(b->solution, &b->relighter), RSV_OK);
     assert_int_equal(rsv_relighter_change(b->relighter, &desc), RSV_OK);
@@ -192,9 +192,11 @@ static void a_prepared_sky_dims_at_once(void **state)
     open_box *b = *state;
     const rsv_light_scale dim[] = { { "light", { 2, 2, 2 } },
         { "environment", { 0.25f, 0.25f, 0.25f } } };
-    const rsv_relight_desc desc = {
-        .light = dim, .light_count = 2, .turn = true, .rotation = FIRST + 3 * STEP
-    };
+    const rsv_relight_desc desc = { .size = sizeof desc,
+        .light = dim,
+        .light_count = 2,
+        .turn = true,
+        .rotation = FIRST + 3 * STEP };
     rsv_relight_progress progress;
     double sum = 0, off = 0;
     turn_by_library(b, FIRST + 3 * STEP, 1);

@@ -141,8 +141,8 @@ static void append_relit(outcome *o, rsv_light *light)
 {
     const rsv_light_scale scale = { .name = "light", .scale = { 0.5f, 0.25f, 1 } };
     const rsv_light_move move = { .name = "light", .offset = { 0.1f, 0, 0.05f } };
-    const rsv_relight_desc dim = { .light = &scale, .light_count = 1 };
-    const rsv_relight_desc moved = { .move = &move, .move_count = 1 };
+    const rsv_relight_desc dim = { .size = sizeof dim, .light = &scale, .light_count = 1 };
+    const rsv_relight_desc moved = { .size = sizeof moved, .move = &move, .move_count = 1 };
     assert_int_equal(rsv_light_relight(light, &dim), RSV_OK);
     append_picture(o, light, RSV_RENDER_OPERATOR);
     assert_int_equal(rsv_light_relight(light, &moved), RSV_OK);

@@ -315,7 +315,9 @@ static bool same(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b 
 
 rsv_relight_desc cli_view_relighting(const cli_view_state *s, const cli_view_changes *room)
 {
-    rsv_relight_desc desc = { .light = room->light, .albedo = room->albedo, .move = room->move };
+    rsv_relight_desc desc = {
+        .size = sizeof desc, .light = room->light, .albedo = room->albedo, .move = room->move
+    };
     for (size_t k = 0; k < s->item_count; k++) {
         const cli_view_item *item = &s->item[k], *home = &s->home[k];
         rsv_rgb c = item->color;

@@ -255,7 +255,7 @@ class Light(Object):
         unlit, density, map_size, padding, keep_uv, directional, basis, turns, probe_spacing, ...
         """
         desc, result = ffi.new("rsv_bake_desc *", lib.rsv_default_bake_desc()), ffi.new("rsv_bake_report *")
-        known = [name for name, _ in ffi.typeof("rsv_bake_desc").fields]
+        known = [name for name, _ in ffi.typeof("rsv_bake_desc").fields if name != "size"]
         for name, value in options.items():
             if name not in known:
                 raise TypeError(f"bake: there is no option '{name}'; there are {', '.join(sorted(known))}")
@@ -415,7 +415,7 @@ class _RelightDesc:
 
     def __init__(self, lights: Mapping[str, Rgb], albedo: Mapping[str, Rgb], move: Mapping[str, Vec3],
                  env_rotation: Optional[float]):
-        self.struct = ffi.new("rsv_relight_desc *")
+        self.struct = ffi.new("rsv_relight_desc *", lib.rsv_default_relight_desc())
         self._keep: List[Any] = []
         self._set("light", "rsv_light_scale", self._items("lights", lights, rgb))
         self._set("albedo", "rsv_albedo_change", self._items("albedo", albedo, rgb))

@@ -352,7 +352,7 @@ class _Builder:
         name = ffi.new("char[]", text("name", mesh.name))
         uvs = [pointer("float", uv) for uv in arrays.uvs]
         desc = ffi.new("rsv_mesh_desc *", {
-            "name": name, "positions": pointer("rsv_vec3", arrays.vertices),
+            "size": ffi.sizeof("rsv_mesh_desc"), "name": name, "positions": pointer("rsv_vec3", arrays.vertices),
             "normals": pointer("rsv_vec3", arrays.normals), "vertex_count": len(arrays.vertices),
             "indices": pointer("uint32_t", arrays.triangles), "triangle_count": len(arrays.triangles),
             "material": material, "uvs": [ffi.cast("float (*)[2]", uv) for uv in uvs],

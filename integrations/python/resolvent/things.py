@@ -81,7 +81,7 @@ class Texture:
         name = ffi.new("char[]", text("name", self.name))
         keep += [array, name]
         return ffi.new("rsv_texture_desc *", {
-            "name": name, "height": array.shape[0], "width": array.shape[1], "channel_count": array.shape[2],
+            "size": ffi.sizeof("rsv_texture_desc"), "name": name, "height": array.shape[0], "width": array.shape[1], "channel_count": array.shape[2],
             "codes": pointer("uint8_t", array if is_codes else None),
             "values": pointer("float", None if is_codes else array),
             "srgb": is_codes and array.shape[2] > 2 if self.srgb is None else bool(self.srgb),

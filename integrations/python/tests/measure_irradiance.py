@@ -27,7 +27,7 @@ desc.element_target, desc.rays_per_element = 1000, 64
 assert lib.rsv_light_create(scene[0], desc, solution) == 0
 probes = np.concatenate([points, normals], axis=1).astype(np.float32)
 readings = np.empty_like(probes)
-lookup = ffi.new("rsv_probe_desc *", {"mode": lib.RSV_PROBE_LOOKUP, "samples": 1})
+lookup = ffi.new("rsv_probe_desc *", {"size": ffi.sizeof("rsv_probe_desc"), "mode": lib.RSV_PROBE_LOOKUP, "samples": 1})
 given, out = ffi.cast("rsv_probe *", probes.ctypes.data), ffi.cast("rsv_probe_reading *", readings.ctypes.data)
 
 
