@@ -248,7 +248,7 @@ static rsv_status check_translucent(const rsv_scene *a, const rsv_scene *b, cons
         if (!keeps_shape(a, b, object, a->triangle[t][0]))
             status = rsv_fail(RSV_ERROR_UNSUPPORTED,
                 "scene: the translucent object '%s' changes its shape, which a light does not "
-                "follow; solve it again",
+                "follow; solve the scene again",
                 a->object_name[object]);
     }
     rsv_free(a->context, done);

@@ -42,7 +42,7 @@ cmp -s "$out/a.csv" "$out/d.csv" && cmp -s "$out/d.csv" "$out/e.csv" || complain
 rm -f "$out"/*
 "$program" daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/c.csv" 2>log >/dev/null
 grep -q 'no --north' log || complain "says which north is taken"
-grep -q 'leaves out 8757 hours' log || complain "says which hours are missing"
+grep -q '8757 hours of the year are missing' log || complain "says which hours are missing"
 rm -f "$out"/*
 
 refuses 2 'weather' daylight cornell-blocks -o "$out/a.csv"
