@@ -2,6 +2,7 @@
 #include "output_file.h"
 #include "plot.h"
 
+#include "resolvent/measure.h"
 #include "resolvent/solve.h"
 
 #include <cJSON.h>

@@ -4,6 +4,7 @@
 #include "device.h"
 
 #include "resolvent/frame.h"
+#include "resolvent/measure.h"
 #include "resolvent/render.h"
 
 #include <cJSON.h>

@@ -1,5 +1,6 @@
 #include "bench_gpu.h"
 #include "device.h"
+#include "resolvent/measure.h"
 #include "stats.h"
 
 #include <cJSON.h>

@@ -1,6 +1,7 @@
 #include "benchmarks.h"
 #include "stats.h"
 
+#include "resolvent/measure.h"
 #include "resolvent/solve.h"
 
 #include <cJSON.h>

@@ -2,6 +2,7 @@
 
 #include "camera_flight.h"
 #include "resolvent/frame.h"
+#include "resolvent/measure.h"
 
 #include <cJSON.h>
 #include <math.h>

@@ -83,6 +83,10 @@ typedef struct rsv_context_desc {
     struct rsv_team *team;
     /// Where the operator is applied and solved (resolvent/device.h); borrowed. NULL = on the CPU.
     struct rsv_device *device;
+    /// An RTCDevice of the Embree that the library is linked to: it builds and traces all hierarchies of this context and of
+    /// others that have it, with its own threads and settings; borrowed. NULL = each hierarchy has one of its own. Builds
+    /// without Embree refuse it (RSV_ERROR_UNSUPPORTED) when they trace.
+    void *embree_device;
 } rsv_context_desc;
 
 /// Defaults, for a descriptor of `size` bytes: what rsv_default_context_desc() is made of.

@@ -83,10 +83,6 @@ RSV_API rsv_status rsv_device_basis_relight(
 /// Where on the device the irradiance lies, for other code that runs there: [receiver_count].
 RSV_API const rsv_rgb *rsv_device_basis_address(const rsv_device_basis *basis);
 
-/// Times relighting with all scales replaced, by the device's clock. @param seconds out, [repetitions]
-RSV_API rsv_status rsv_device_basis_measure(
-    rsv_device_basis *basis, uint32_t repetitions, double *seconds);
-
 #ifdef __cplusplus
 }
 #endif

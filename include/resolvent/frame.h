@@ -145,10 +145,6 @@ RSV_API rsv_status rsv_render_operator(
 /// A camera moved sideways for one of two eyes. @param eye 0 = left @param separation metres between them
 RSV_API rsv_camera rsv_camera_eye(const rsv_camera *camera, uint32_t eye, float separation);
 
-/// Traces the camera rays of a frame through the ray tracer, in the same packets and tiles, and does nothing with
-/// what they meet: what a frame costs by ray tracing alone. @return seconds
-RSV_API double rsv_frame_trace_only(rsv_frame_renderer *renderer, const rsv_frame_view *view);
-
 #ifdef __cplusplus
 }
 #endif

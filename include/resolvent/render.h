@@ -82,8 +82,6 @@ RSV_API void rsv_occlusion_destroy(rsv_occlusion *occlusion);
 /// @param image of the size asked for at creation
 RSV_API rsv_status rsv_occlusion_render(
     rsv_occlusion *occlusion, const rsv_camera *camera, rsv_image *image);
-/// Seconds that the last picture took until it lay where it was made: in a device's memory, or in the image.
-RSV_API double rsv_occlusion_seconds(const rsv_occlusion *occlusion);
 
 /// Renders mode reference: next-event estimation and BSDF sampling combined by MIS, Russian roulette.
 /// With desc->layers: emission, direct, bounce1, ... by the number of diffuse reflections.

@@ -172,69 +172,10 @@ typedef struct rsv_triangle_point {
 RSV_API rsv_status rsv_light_irradiance_points(const rsv_light *light,
     const rsv_triangle_point *points, size_t count, uint32_t order, rsv_rgb *irradiance);
 
-/// Times an application of G K beside a bare loop that sums a field over the same indices, one right after the other.
-/// @param ratio out, [repetitions] the bare loop's time over the application's
-RSV_API rsv_status rsv_measure_application(
-    const rsv_light *light, uint32_t repetitions, double *ratio);
-
-/// Times an application of G K on the device of the solution's context, and copies there, by its clock.
-/// @param copy_rate out, [repetitions]: bytes per second, read and written, of copies too large for any cache
-/// @param seconds out, [repetitions]: of an application
-/// @param bytes out: that an application must move at least
-RSV_API rsv_status rsv_measure_device(const rsv_light *light, uint32_t repetitions,
-    double *copy_rate, double *seconds, size_t *bytes);
-
 /// The eigenvalues of G K that are largest by magnitude, those of all colour channels together, by SLEPc and its options.
 /// In a context with a team, be it of one process.
 /// @param count wanted in, found out @param value out, [2 x count]: real and imaginary parts
 RSV_API rsv_status rsv_leading_eigenvalues(const rsv_light *light, size_t *count, double *value);
-
-/// What a solver did.
-typedef struct rsv_solver_cost {
-    rsv_solver solver; ///< in the end, where RSV_SOLVER_AUTO was asked for
-    rsv_stop_reason stop_reason;
-    double applications; ///< of G K, or passes over its entries that cost as much
-    double seconds;      ///< all included: transposed copies, coarse levels, observing
-    double residual;     ///< largest max |residual| / max E0 of a colour channel
-} rsv_solver_cost;
-
-/// Solves the coarse system of a solution once more, from nothing and without keeping orders apart.
-/// @param tolerance of the residual, on the scale of rsv_solver_cost
-/// @param observe called whenever the solver knows a residual; NULL = none
-RSV_API rsv_status rsv_measure_solver(const rsv_light *light, rsv_solver solver, double tolerance,
-    void (*observe)(void *user, double applications, double residual), void *user,
-    rsv_solver_cost *cost);
-
-/// What it would mean to divide the rows of G among processes, by numbers that do not depend on how many there are.
-typedef struct rsv_division_cost {
-    uint32_t parts;
-    double imbalance;     ///< time that tracing the dearest part took, over the mean of all parts
-    double received_mean; ///< numbers that a part needs from others for one application of G K
-    double received_most; ///< of the part that needs most
-    double senders_mean;  ///< parts that they come from
-} rsv_division_cost;
-
-/// Divides the rows of a solution as a team of so many processes would, by costs measured on a few of them, then traces
-/// all once more to see what the parts cost.
-/// @param parts [count] @param cost out, [count]
-RSV_API rsv_status rsv_measure_division(
-    const rsv_light *light, const uint32_t *parts, size_t count, rsv_division_cost *cost);
-
-/// What assembly costs beside ray tracing alone.
-typedef struct rsv_assembly_cost {
-    uint64_t rays;           ///< first-hit rays of the rows
-    double assembly_seconds; ///< the rows of G: aiming, tracing, element lookup, storage
-    double tracing_seconds;  ///< the same packets of rays through the ray tracer alone
-    double single_seconds;   ///< the same rays one by one through the ray tracer alone
-} rsv_assembly_cost;
-
-/// Assembles the coarse rows of a solution again, and traces the very same rays without doing anything with
-/// them, in the same run, so that the ratio does not depend on how busy the machine is.
-/// @param light of a scene whose surfaces are all Lambertian, so that every ray ends at its first hit
-RSV_API rsv_status rsv_measure_assembly(const rsv_light *light, rsv_assembly_cost *cost);
-
-/// Finds the direct light of the coarse elements again. @param seconds, rays out: all that takes, shadow rays alone
-RSV_API rsv_status rsv_measure_direct(const rsv_light *light, double *seconds, uint64_t *rays);
 
 #ifdef __cplusplus
 }

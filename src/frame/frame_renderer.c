@@ -3,6 +3,7 @@
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "frame_device.h"
+#include "resolvent/measure.h"
 
 #include <string.h>
 

@@ -4,6 +4,7 @@
 
 #include "../core/core.h"
 #include "../scene/scene.h"
+#include "resolvent/measure.h"
 
 #define DEFAULT_SAMPLES 16
 #define SCREEN_REACH 0.05f ///< default of the screen-space form, as a share of the scene's diagonal

@@ -1,6 +1,7 @@
 #include "device_basis.h"
 
 #include "../core/core.h"
+#include "resolvent/measure.h"
 
 /// The plug-in's objects start with what the library needs to find them by.
 struct rsv_device_basis {

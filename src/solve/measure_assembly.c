@@ -1,4 +1,5 @@
 #include "light_internal.h"
+#include "resolvent/measure.h"
 
 rsv_status rsv_measure_assembly(const rsv_light *s, rsv_assembly_cost *cost)
 {

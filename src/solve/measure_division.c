@@ -2,6 +2,7 @@
 #include "../core/parallel.h"
 #include "../operator/row_tracer.h"
 #include "light_internal.h"
+#include "resolvent/measure.h"
 
 #include <string.h>
 

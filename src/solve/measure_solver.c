@@ -3,6 +3,7 @@
 #include "../solver/linear_solver.h"
 #include "../solver/spectrum.h"
 #include "light_internal.h"
+#include "resolvent/measure.h"
 #include "solve_constants.h"
 
 /// Passes on what a solver tells, after what was there before it.

@@ -5,6 +5,7 @@
 #include "../update/kept_light.h"
 #include "../update/update.h"
 #include "goal.h"
+#include "resolvent/measure.h"
 #include "solve_constants.h"
 
 rsv_status rsv_source_hidden_cells(const rsv_light *s, uint8_t **hidden)

@@ -83,6 +83,24 @@ static rsv_status build(rsv_tracer *tracer)
     return check_device(tracer);
 }
 
+/// The program's device, or a new one.
+static rsv_status open_device(const rsv_context *context, rsv_tracer *tracer)
+{
+    tracer->device = rsv_context_settings(context)->embree_device;
+    if (tracer->device) {
+        rtcRetainDevice(tracer->device);
+        rtcGetDeviceError(tracer->device); // forgets what the program did wrong before
+        return RSV_OK;
+    }
+    char settings[64];
+    snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
+    tracer->device = rtcNewDevice(settings);
+    if (!tracer->device)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "ray tracing: Embree finds no usable CPU");
+    rtcSetDeviceErrorFunction(tracer->device, record_device_error, NULL);
+    return RSV_OK;
+}
+
 rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 {
     rsv_status status = RSV_OK;
@@ -92,14 +110,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     tracer = rsv_alloc(context, 1, sizeof *tracer);
     RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_tracer_head_begin(scene, &tracer->head));
-    char settings[64];
-    snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
-    tracer->device = rtcNewDevice(settings);
-    if (!tracer->device) {
-        status = rsv_fail(RSV_ERROR_UNSUPPORTED, "ray tracing: Embree finds no usable CPU");
-        goto cleanup;
-    }
-    rtcSetDeviceErrorFunction(tracer->device, record_device_error, NULL);
+    RSV_TRY(open_device(context, tracer));
     tracer->native_width = native_packet_width(tracer->device);
     tracer->bvh = rtcNewScene(tracer->device);
     RSV_TRY(check_device(tracer));

@@ -43,6 +43,9 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     rsv_status status = RSV_OK;
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_tracer *tracer = NULL;
+    if (rsv_context_settings(context)->embree_device)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "ray tracing: this library is built without Embree; leave embree_device NULL");
     RSV_TRY(rsv_scene_require_committed(scene));
     tracer = rsv_alloc(context, 1, sizeof *tracer);
     RSV_TRY(tracer ? RSV_OK : RSV_ERROR_MEMORY);

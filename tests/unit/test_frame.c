@@ -1,6 +1,7 @@
 /// Frames against the pictures of rsv_render, across instructions, threads and eyes.
 #include "core/srgb.h"
 #include "frame_fixture.h"
+#include "resolvent/measure.h"
 #include "resolvent/relight.h"
 #include "slow_tests.h"
 

@@ -3,6 +3,7 @@
 #include "resolvent/device.h"
 
 #include "light_view.h"
+#include "resolvent/measure.h"
 #include "scene_fixture.h"
 #include "solve/light_change.h"
 #include "solve/transport_map.h"

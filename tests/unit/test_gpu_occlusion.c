@@ -3,6 +3,7 @@
 #include "light_fixture.h"
 #include "occlusion/occlusion_view.h"
 #include "resolvent/device.h"
+#include "resolvent/measure.h"
 
 #include <stdio.h>
 

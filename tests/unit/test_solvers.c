@@ -5,6 +5,7 @@
 #include "dense_map.h"
 #include "elements/curvature.h"
 #include "light_view.h"
+#include "resolvent/measure.h"
 #include "solve/transport_map.h"
 #include "solver/fredholm.h"
 #include "solver/leading.h"

@@ -361,9 +361,31 @@ static void bodies_set_apart_are_hit_where_they_are(void **state)
     }
 }
 
+#if defined(RSV_TEST_OWN_TRACER)
+static void devices_of_embree_are_refused(void **state)
+{
+    (void)state;
+    rsv_context_desc desc = rsv_default_context_desc();
+    rsv_context *context;
+    rsv_scene *scene;
+    rsv_tracer *tracer = NULL;
+    desc.embree_device = &desc;
+    assert_int_equal(rsv_context_create(&desc, &context), RSV_OK);
+    assert_int_equal(rsv_scene_builtin(context, "furnace", &scene), RSV_OK);
+    assert_int_equal(rsv_tracer_create(scene, &tracer), RSV_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(rsv_last_error(), "leave embree_device NULL"));
+    assert_null(tracer);
+    rsv_scene_destroy(scene);
+    rsv_context_destroy(context);
+}
+#endif
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+#if defined(RSV_TEST_OWN_TRACER)
+        cmocka_unit_test(devices_of_embree_are_refused),
+#endif
         cmocka_unit_test(closest_packets_equal_single_rays),
         cmocka_unit_test(occlusion_packets_equal_single_rays),
         cmocka_unit_test(packets_report_the_front_normal),
