@@ -11,8 +11,9 @@
 typedef struct rsv_twins_owner {
     rsv_twins twins; ///< the view's, once there are any
     rsv_twin_tree tree;
-    uint8_t *flags;      ///< [triangle_count]
-    rsv_twin_tree whole; ///< of a variant: all triangles, from the first move on
+    uint8_t *flags; ///< [triangle_count]
+    rsv_twin_node *
+        run; ///< of a variant: boxes around runs of triangles where they were at first; NULL = not yet moved
 } rsv_twins_owner;
 
 /// How far faces in the same place may lie apart at most, in this scene. @param reach, rounding out: see rsv_twins

@@ -746,9 +746,11 @@ static void lights_of_one_operator_leave_each_other_alone(void **state)
         .light_count = 1,
         .albedo = &paint,
         .albedo_count = 1 },
-                           second = {
-                               .light = &off, .light_count = 1, .move = &move, .move_count = 1
-                           };
+                           second = { .size = sizeof second,
+                               .light = &off,
+                               .light_count = 1,
+                               .move = &move,
+                               .move_count = 1 };
     world *w = lit_box((float[]){ 1, 1, 1 });
     rsv_light *home = solve(w, true), *a, *b, *alone = solve(w, true);
     assert_int_equal(rsv_light_copy(home, &a), RSV_OK);
