@@ -54,7 +54,7 @@ static rsv_status render_picture(
     frame.gloss = gloss;
     frame.frames = d->samples;
     RSV_TRY(rsv_film_check(&d->film, camera));
-    rsv_warn_of_backs(s->tracer, camera);
+    rsv_warn_of_view(s->tracer, camera);
     RSV_TRY(rsv_frame_renderer_create(light, &frame, &renderer));
     RSV_TRY(render_frames(s, renderer, camera, d->samples));
     RSV_TRY(rsv_image_create(s->context, d->width, d->height, 1, &made));

@@ -1,6 +1,7 @@
 /// Intensities between the angles of a file, by its symmetry, and their integral.
 #include "../core/core.h"
 #include "intensity.h"
+#include "luminaire_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -133,11 +134,26 @@ static bool are_angles(const float *angle, uint32_t count)
     return sound;
 }
 
+static bool lies_within(const float *angle, uint32_t count, double low, double high)
+{
+    return (double)angle[0] >= low - SLACK && (double)angle[count - 1] <= high + SLACK;
+}
+
+bool rsv_luminaire_is_on_sphere(const rsv_luminaire *l)
+{
+    double turn = (double)l->horizontal[l->horizontal_count - 1] - (double)l->horizontal[0];
+    if (l->type == RSV_PHOTOMETRY_C)
+        return lies_within(l->vertical, l->vertical_count, 0, 180) && turn <= 360 + SLACK;
+    bool floodlight = l->type == RSV_PHOTOMETRY_B; // latitudes are its horizontal angles
+    const float *latitude = floodlight ? l->horizontal : l->vertical;
+    return lies_within(latitude, floodlight ? l->horizontal_count : l->vertical_count, -90, 90);
+}
+
 rsv_status rsv_luminaire_check(const rsv_luminaire *l)
 {
     bool sound = (unsigned)l->type <= RSV_PHOTOMETRY_A && l->intensity &&
                  are_angles(l->vertical, l->vertical_count) &&
-                 are_angles(l->horizontal, l->horizontal_count);
+                 are_angles(l->horizontal, l->horizontal_count) && rsv_luminaire_is_on_sphere(l);
     for (size_t k = 0; sound && k < (size_t)l->vertical_count * l->horizontal_count; k++)
         sound = l->intensity[k] >= 0 && l->intensity[k] <= 1e30f;
     sound = sound && isfinite(l->width) && isfinite(l->length) && isfinite(l->height);

@@ -120,7 +120,12 @@ static rsv_status read_content(
     rsv_luminaire_text t = { context, path, content, content, luminaire };
     if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
     bool ies = strstr(content, "TILT=") || strncmp(t.rest, "IESNA", 5) == 0;
-    return ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t);
+    rsv_status status = ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t);
+    if (status != RSV_OK || rsv_luminaire_is_on_sphere(luminaire)) return status;
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "%s: angles to the axis must lie within 0 and 180 degrees (types A and B: latitudes within "
+        "-90 and 90), those around it within one turn",
+        path);
 }
 
 rsv_status rsv_luminaire_read(rsv_context *context, const char *path, rsv_luminaire *luminaire)

@@ -29,6 +29,9 @@ bool rsv_luminaire_line(rsv_luminaire_text *text, char *line, size_t size);
 
 /// Makes room for so many angles and intensities, and one plane more.
 rsv_status rsv_luminaire_reserve(rsv_luminaire_text *text, uint32_t vertical, uint32_t horizontal);
+/// Whether angles to the axis reach no farther than from pole to pole, and those around it no farther than one turn.
+bool rsv_luminaire_is_on_sphere(const rsv_luminaire *luminaire);
+
 /// Reads angles, which must ascend.
 rsv_status rsv_luminaire_angles(
     rsv_luminaire_text *text, const char *name, uint32_t count, float *angle);

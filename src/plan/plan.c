@@ -365,10 +365,9 @@ cleanup:
 static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_render_desc *r)
 {
     bool is_open = desc->relative_error == 0 && isfinite(desc->max_seconds);
-    if (!is_open && !(desc->relative_error >= 0.005 && desc->relative_error <= 1))
+    if (!is_open && !((float)desc->relative_error >= 0.005f && desc->relative_error <= 1))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "plan: a relative error of %g is not in 0.005 .. 1; certified errors of irradiance are "
-            "rsv_solve_to_error's",
+            "plan: a relative error of %g is not in 0.005 .. 1; for less, choose quality and samples",
             desc->relative_error);
     if (!(desc->max_seconds > 0))
         return rsv_fail(RSV_ERROR_ARGUMENT, "plan: max_seconds must be positive");

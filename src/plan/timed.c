@@ -25,6 +25,9 @@
 /// What a camera ray costs where pictures are noisy, over the mean: before it is known.
 #define UNEVEN_COST 1.3
 
+/// Seconds per triangle that even the coarsest solution takes: a mesh of 4 million triangles takes 4 s.
+#define LEAST_PER_TRIANGLE 1e-6
+
 static double now_of(const rsv_planner *p)
 {
     return rsv_team_largest(p->context, rsv_seconds() - p->started);
@@ -83,10 +86,7 @@ static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
     return status;
 }
 
-static bool is_path_traced(const rsv_planner *p)
-{
-    return p->picture.mode == RSV_RENDER_REFERENCE;
-}
+static bool is_path_traced(const rsv_planner *p) { return p->picture.mode == RSV_RENDER_REFERENCE; }
 
 /// Camera rays per pixel of the next pass. Each takes a part of the time left, so that what it takes longer than expected
 /// is made up for by the next; one as short as the last could be is not taken. Path traced ones have whole numbers.
@@ -152,7 +152,8 @@ static void say_plan(const rsv_planner *p, double seconds)
 rsv_status rsv_planner_run_until(rsv_planner *p, double seconds)
 {
     rsv_status status;
-    if (!p->light) RSV_TRY(find_solution(p, seconds));
+    double least = LEAST_PER_TRIANGLE * (double)rsv_scene_get_view(p->scene)->triangle_count;
+    if (!p->light && seconds - now_of(p) > least) RSV_TRY(find_solution(p, seconds));
     if (!p->light) p->plan.mode = p->picture.mode = RSV_RENDER_REFERENCE;
     RSV_TRY(take_passes(p, seconds));
     p->plan.is_reached = p->plan.noise <= p->wanted;

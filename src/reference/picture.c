@@ -225,7 +225,7 @@ rsv_status rsv_render_reference(
         rsv_film_of(tracer->tracer, &desc->film, picture.camera, desc->width, desc->height);
     picture.medium =
         rsv_medium_above(&tracer->media, picture.camera->position, picture.camera->forward);
-    rsv_warn_of_backs(tracer->tracer, picture.camera);
+    rsv_warn_of_view(tracer->tracer, picture.camera);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(render(&picture));

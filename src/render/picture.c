@@ -162,7 +162,7 @@ rsv_status rsv_picture_series_create(
     *s = (rsv_picture_series){ 0 };
     rsv_picture_job *job = &s->job;
     begin_job(solution, desc, job);
-    rsv_warn_of_backs(solution->tracer, job->camera);
+    rsv_warn_of_view(solution->tracer, job->camera);
     if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &s->visibility));
     job->setting.visibility = s->visibility;
     if (job->setting.shot)

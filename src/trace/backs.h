@@ -1,4 +1,4 @@
-/// Backs of single-sided surfaces, which are black here as in the format of glTF, and most often a mistake of whoever made them.
+/// What cameras see by mistake: nothing, or backs of single-sided surfaces, which are black here as in the format of glTF.
 #ifndef RSV_BACKS_H
 #define RSV_BACKS_H
 
@@ -8,12 +8,13 @@
 typedef struct rsv_seen_backs {
     double share;      ///< of the picture
     uint32_t material; ///< of most of them; RSV_NONE = it sees none
+    bool anything;     ///< whether it sees any surface at all
 } rsv_seen_backs;
 
 /// By some thousand rays, the same for the same scene and camera. Bodies that let light through have no backs.
 rsv_seen_backs rsv_look_for_backs(const rsv_tracer *tracer, const rsv_camera *camera);
 
-/// Says in a warning where a camera sees more of them than a hundredth of its picture.
-void rsv_warn_of_backs(const rsv_tracer *tracer, const rsv_camera *camera);
+/// Warns where they are more than a hundredth of the picture, and where a camera sees no surface, sky or fog.
+void rsv_warn_of_view(const rsv_tracer *tracer, const rsv_camera *camera);
 
 #endif

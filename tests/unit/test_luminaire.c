@@ -142,7 +142,11 @@ static void bad_files_are_refused(void **state)
         "TILT=NONE\n1 1000 1 2 1 7 1 0 0 0 1 1 10\n0 90\n0\n100 1\n",
         "TILT=NONE\n1 1000 1 1000000 1000000 1 1 0 0 0 1 1 10\n0 90\n0\n100 1\n",
         "TILT=NONE\n1 1000 1 -2 1 1 1 0 0 0 1 1 10\n0 90\n0\n100 1\n",
-        "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n0 x\n0\n100 1\n", "maker\n1\n9\n24\n15\n",
+        "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n0 x\n0\n100 1\n",
+        "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n45 300\n0\n100 1\n",
+        "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n-90 90\n0\n100 1\n",
+        "TILT=NONE\n1 1000 1 2 2 1 1 0 0 0 1 1 10\n0 90\n-90 300\n100 1 100 1\n",
+        "TILT=NONE\n1 1000 1 2 1 3 1 0 0 0 1 1 10\n0 120\n0\n100 1\n", "maker\n1\n9\n24\n15\n",
         "maker\n1\n4\nx\n15\n" };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         rsv_luminaire l;

@@ -70,11 +70,17 @@ static void half_a_picture_of_backs_is_counted(void **state)
         assert_float_equal(seen.share, cases[k].share, 0.01);
         assert_int_equal(seen.material, cases[k].share > 0 ? 1 : RSV_NONE);
         f->log[0] = '\0';
-        rsv_warn_of_backs(tracer, camera);
+        rsv_warn_of_view(tracer, camera);
         if (cases[k].share > 0)
             assert_mentions(f->log, "'right'");
         else
             assert_string_equal(f->log, "");
+        rsv_camera away = *camera; // into the dark around the scene
+        away.position = v3(0, 0, 1e3f);
+        away.forward = v3(0, 0, 1);
+        f->log[0] = '\0';
+        rsv_warn_of_view(tracer, &away);
+        assert_mentions(f->log, "sees nothing");
         rsv_tracer_destroy(tracer);
         rsv_scene_destroy(scene);
     }
