@@ -333,11 +333,12 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
     if (plan->rays_per_element) snprintf(rays, sizeof rays, " of %u rays", plan->rays_per_element);
     double least = 2 * p->uncertainty; // that is told from none
     if (!isnan(plan->elements_error))
-        snprintf(elements, sizeof elements, ", of which elements leave %s%.2g %%",
+        snprintf(elements, sizeof elements, ", of which %s%.2g %% is due to elements",
             plan->elements_error < least ? "less than " : "",
             100 * sqrt(fmax(plan->elements_error, least)));
     // direct light is the pixels' own: such elements hold caustics, which a look takes from them too
-    const char *unknown = report->direct_elements ? "; what stored caustics err is not known" : "";
+    const char *unknown =
+        report->direct_elements ? "; the error of stored caustics is not known" : "";
     rsv_log(p->context, RSV_LOG_INFO,
         "plan: %zu rows%s%s and %u camera rays per pixel%s for a relative error of %.2g "
         "%%%s%s",
@@ -350,7 +351,7 @@ static void say_what_is_missing(const rsv_planner *p)
     double elements = known_elements_error(p);
     rsv_log(p->context, RSV_LOG_WARNING,
         "plan: a relative error of %.2g %% cannot be reached: about %.2g %% is likely, %.2g %% due to elements "
-        "and %.2g %% due to samples; request more than that, or use --quality high",
+        "and %.2g %% due to samples; request a larger error, or use --quality high",
         100 * sqrt(p->wanted), 100 * sqrt(elements + p->plan.noise), 100 * sqrt(elements),
         100 * sqrt(p->plan.noise));
 }
