@@ -65,7 +65,7 @@ int rsv_rt_file_open(rsv_rt_file *file, const char *path)
         length = length << 8 | file->bytes[k];
     if (length > file->size - 8) return fail(file, "it is cut off, or not a safetensors file");
     file->header = cJSON_ParseWithLength((const char *)file->bytes + 8, (size_t)length);
-    if (!cJSON_IsObject(file->header)) return fail(file, "its header is no JSON object");
+    if (!cJSON_IsObject(file->header)) return fail(file, "its header is not a JSON object");
     file->data = 8 + (size_t)length;
     return 0;
 }

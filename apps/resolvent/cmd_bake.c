@@ -122,10 +122,10 @@ static bool check_target(const settings *s, int *exit_status)
     else if (!cli_ends_in(s->output, extension))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
     else if (is_volume(s->target) && s->bake.operator_file)
-        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
+        *exit_status = cli_usage_error("bake", "--operator requires --to vertex or lightmap");
     else if (is_volume(s->target) && (s->bake.light_scale > 0 || s->error > 0))
         *exit_status =
-            cli_usage_error("bake", "--error and --light-scale go with --to vertex or lightmap");
+            cli_usage_error("bake", "--error and --light-scale require --to vertex or lightmap");
     else
         return true;
     return false;
@@ -201,8 +201,8 @@ static void print_report(const char *target, const rsv_bake_report *r)
             r->map_width ? "texels" : "vertices",
             r->map_width ? "; OUT.lightmap.exr holds them all" : "; --light-scale keeps them");
     if (r->judged)
-        printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s estimated anew, "
-               "with noise of %.2g %%\n",
+        printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s, compared "
+               "with estimates with a noise of %.2g %%\n",
             100 * r->error_median, 100 * r->error_99, r->judged,
             r->map_width ? "texels" : "vertices", 100 * r->error_noise);
     if (r->lights) printf("lights      %zu\n", r->lights);

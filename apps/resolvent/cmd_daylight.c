@@ -16,7 +16,7 @@ static const char help[] =
     "the scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     weather file of EnergyPlus (.epw) or Daysim (.wea). May be repeated: each file\n"
-    "                     then takes its own -o options, in the same order, and a second more to compute\n"
+    "                     then has its own -o options, in the same order, and adds about a second\n"
     "  -o FILE            the report: a self-contained page (.html), .json or .csv; repeat it for more\n"
     "                     formats\n"
     "  --points FILE      sensors, one per line: x,y,z,nx,ny,nz (default: grids above the floors)\n"
@@ -62,7 +62,7 @@ static int check_lists(const settings *s)
             "daylight", "%s is missing", s->weather.count ? "-o FILE" : "--weather FILE");
     if (reports_per_weather(s) == 0 || (s->hourly.count && s->hourly.count != s->weather.count))
         return cli_usage_error("daylight",
-            "each --weather needs as many -o as the others, and an --hourly where there is one");
+            "give each --weather the same number of -o and, with --hourly, one --hourly");
     for (size_t k = 0; k < s->outputs.count; k++) {
         const char *name = s->outputs.item[k];
         if (!cli_ends_in(name, ".html") && !cli_ends_in(name, ".json") &&
@@ -110,7 +110,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     *exit_status = check_lists(s);
     if (*exit_status == CLI_SUCCESS && s->from >= s->to)
-        *exit_status = cli_usage_error("daylight", "--from is not before --to");
+        *exit_status = cli_usage_error("daylight", "--from must be before --to");
     return *exit_status == CLI_SUCCESS;
 }
 
@@ -189,7 +189,7 @@ static size_t count_buried(const daylight_job *job)
     if (count) {
         char text[128];
         snprintf(text, sizeof text,
-            "%zu of %zu sensors see mostly backs of walls: they lie within something", count,
+            "%zu of %zu sensors mostly see backs of walls: they are inside something", count,
             job->points.count);
         cli_warn(job->session, text);
     }

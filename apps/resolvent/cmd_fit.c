@@ -184,7 +184,7 @@ static void print_report(const rsv_fit *fit, const cli_points *p, bool at_least)
     const double *worst = p->given[r.worst];
     printf("lights %zu, points %zu, %.4g of %.4g lm\n", rsv_fit_light_count(fit), p->count,
         r.lumens, r.lumens_before);
-    printf("readings miss what is wanted by %.3g %% (RMS, of the mean)", 100 * r.error_rms);
+    printf("readings miss their targets by %.3g %% (RMS, of the mean)", 100 * r.error_rms);
     if (r.error_largest > 0)
         printf("; most by %.4g %s%s at (%.4g %.4g %.4g)", r.error_largest,
             p->has[CLI_WANTED_LUX] ? "lux" : "W/m2", at_least ? " too little" : "", worst[0],

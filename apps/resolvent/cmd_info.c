@@ -17,7 +17,7 @@
 static const char help[] =
     "usage: resolvent info SCENE [options]\n"
     "\n"
-    "Lists the contents of SCENE (a file or a built-in scene) once its instances are placed: counts,\n"
+    "Lists the contents of SCENE (a file or a built-in scene) with all instances: counts,\n"
     "bounds, area, objects, materials, lights, cameras. For a file from `resolvent solve`, also what was\n"
     "solved. For a luminaire (.ies, .ldt): its angles, flux, peak and power.\n"
     "\n"

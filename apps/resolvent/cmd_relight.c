@@ -32,7 +32,7 @@ static const char help[] =
     "                     punctual light, its node, an emissive material, or #K for source K (from 0).\n"
     "                     NAME=R,G,B: a factor for each channel; NAME=SCALE,R,G,B: both\n"
     "  --albedo MATERIAL=R,G,B  another base colour for a plain diffuse material\n"
-    "  --move NAME=X,Y,Z  move a light by so many metres; a lamp takes its triangles along\n"
+    "  --move NAME=X,Y,Z  move a light by this offset in metres; the triangles of a lamp move with it\n"
     "  --aim NAME=X,Y,Z   turn a spot light, luminaire or directional light to shine along X,Y,Z\n"
     "  --add NAME=X,Y,Z,I add a point light of I W/sr at X,Y,Z; --light NAME=1,R,G,B colours it\n"
     "  --env-intensity S  multiply the environment by S\n"

@@ -42,19 +42,19 @@ static const char help[] =
     "                     quality 0, 20 %, 10 %)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
         CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --camera NAME      a camera listed by `resolvent info SCENE` (default: the first)\n"
-    "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film of\n"
-    "                     24 mm height (default: everything is sharp)\n"
-    "  --focus M          distance of focus in metres (default: whatever is in the middle)\n"
+    "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film\n"
+    "                     24 mm high (default: everything is sharp)\n"
+    "  --focus M          distance in focus, metres (default: that of the middle of the picture)\n"
     "  --shift-x X        shift the film to the right, in picture widths (default 0)\n"
     "  --shift-y Y        shift it upwards, in picture heights (default 0)\n"
-    "  --projection P     perspective (default: as the camera says); equirectangular: all around;\n"
+    "  --projection P     perspective (default: that of the camera); equirectangular: all around;\n"
     "                     fisheye: the half space ahead, in a circle\n"
     "  --goal             refine the surfaces that this camera sees, directly or through reflected light\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --gloss KIND       operator: reflections in rough surfaces by paths (default; unbiased), or reused\n"
     "                     among neighbours, as in `view` (fast, slightly biased)\n"
     "  --layers           .exr: one more layer for each order of light: emission, direct, bounce1, ...\n"
-    "  --photometric      .exr, .hdr: channels times 683 lm/W, whose luminance is in cd/m2\n" CLI_EXPOSURE_HELP
+    "  --photometric      .exr, .hdr: multiply by 683 lm/W, so that luminance is in cd/m2\n" CLI_EXPOSURE_HELP
     "  --error P%         final: plan the picture for this relative RMS error of pixels, 0.5 % to 100 %\n"
     "                     (default 7 %), and print the plan. With --quality: refine the solution until\n"
     "                     the estimated relative error of its irradiance (with --goal: of the picture's\n"
@@ -128,7 +128,7 @@ static bool check_sequence(settings *s, int *exit_status)
     bool at_time = isfinite(s->moment.time), in_sequence = s->sequence.frames != NULL;
     *exit_status = CLI_BAD_USAGE;
     if (s->moment.clip && !at_time && !in_sequence)
-        cli_usage_error("render", "--clip does nothing without --time or --frames");
+        cli_usage_error("render", "--clip requires --time or --frames");
     else if (at_time && in_sequence)
         cli_usage_error("render", "--time and --frames exclude each other; leave out one");
     else if (in_sequence && (s->target.share > 0 || s->target.max_seconds > 0))
@@ -148,8 +148,10 @@ static bool check_units(const settings *s, int *exit_status)
         linear = linear || !cli_ends_in(s->outputs.item[k], ".png");
     if (!s->photometric || (light && linear)) return true;
     *exit_status =
-        cli_usage_error("render", light ? "--photometric is of .exr and .hdr: .png holds no cd/m2"
-                                        : "--photometric is of light: occlusion has none");
+        cli_usage_error("render", light ? "--photometric requires .exr or .hdr: .png cannot hold "
+                                          "cd/m2"
+                                        : "--photometric is not supported by the occlusion modes, "
+                                          "which compute no light");
     return false;
 }
 
@@ -210,8 +212,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     s->planned = is_planned(s) && !s->sequence.frames;
     if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
     if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
-    *exit_status = cli_usage_error("render", "--max-time does nothing without --error, but for "
-                                             "pictures that are planned: leave out --mode, "
+    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
+                                             "pictures: leave out --mode, "
                                              "--quality, --spp, --noise, --gather and --goal");
     return false;
 }

@@ -36,8 +36,8 @@ static const char help[] =
     "                     use `place` in a script (docs/view.md)\n"
     "  --exposure STOPS   brighten by 2^STOPS at the start (default: automatic for files, from their\n"
     "                     first light, and printed; 0 for built-in scenes)\n"
-    "  --budget MS        milliseconds per frame for orders of light while it changes (default 8)\n"
-    "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
+    "  --budget MS        milliseconds per frame for orders of light after a change (default 8)\n"
+    "  --script FILE      commands for given frames: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
     "  --frames N         close after N frames\n"
     "  --stats FILE.json  when each quality was first shown, and frame times\n"
     "  --record DIR       write each frame to DIR/frame-0000.png, ... instead of opening a window; as\n"
@@ -342,7 +342,7 @@ static void obey(void *user, const char *text)
     if (!cli_read_view_command(text, &command, v->hud.message)) return;
     if (cli_view_needs_light(command.verb) && !cli_show_is_complete(&v->show))
         snprintf(
-            v->hud.message, sizeof v->hud.message, "%s: not before the best light is there", text);
+            v->hud.message, sizeof v->hud.message, "%s: available once all light is solved", text);
     else
         cli_view_apply(&v->state, &command, v->hud.message);
 }

@@ -30,8 +30,7 @@ bool cli_device_open(int choice)
         cli_error("%s", rsv_last_error());
         return false;
     }
-    if (cli_crew_speaks())
-        fprintf(stderr, "note: %s; computing on the processor\n", rsv_last_error());
+    if (cli_crew_speaks()) fprintf(stderr, "note: %s; computing on the CPU\n", rsv_last_error());
     return true;
 }
 

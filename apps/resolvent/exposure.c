@@ -21,8 +21,7 @@ float cli_expose(cli_session *session, bool wanted, float asked, const rsv_image
     if (!wanted) return isnan(asked) ? 0 : asked;
     float stops = rsv_image_exposure(image);
     snprintf(line, sizeof line,
-        "exposure %+.2f stops, chosen for .png; --exposure 0 leaves brightness as it is",
-        (double)stops);
+        "exposure %+.2f stops, chosen for .png; --exposure 0 keeps the brightness", (double)stops);
     if (stops != 0) cli_note(session, line);
     return stops;
 }

@@ -125,7 +125,7 @@ static bool read_change(
     cli_key key = { frame, { number[0], number[1], number[2] } };
     rsv_rgb scale;
     bool fits = kind == CLI_TRACK_LIGHT ? cli_light_scale(number, count, &scale) : count == wanted;
-    if (!fits) return complain(line, "not the numbers that belong to ", word);
+    if (!fits) return complain(line, "wrong number or range of values in ", word);
     if (kind == CLI_TRACK_LIGHT) key = (cli_key){ frame, { scale.r, scale.g, scale.b } };
     cli_track *track = find_track(script, kind, name);
     if (!track) return complain(line, "too many lights and materials", "");
@@ -138,7 +138,7 @@ static bool read_line(const script_line *line, char *text, cli_light_script *scr
     if (!word) return true;
     unsigned long frame = strtoul(word, &end, 10);
     if (*end || word[0] == '-' || frame > CLI_MAX_FRAME)
-        return complain(line, "expected the number of a frame instead of ", word);
+        return complain(line, "expected a frame number instead of ", word);
     if (script->track_count == 0) script->first = (uint32_t)frame;
     while ((word = cut_word(&rest)))
         if (!read_change(line, (uint32_t)frame, word, script)) return false;

@@ -44,8 +44,8 @@ static void note_choice(cli_session *session)
     const rsv_animation *a = session->animation;
     size_t count = rsv_animation_clip_count(a);
     if (count < 2) return;
-    snprintf(text, sizeof text, "%zu animations: '%.100s' is played; --clip chooses", count,
-        rsv_animation_clip(a, 0)->name);
+    snprintf(text, sizeof text, "%zu animations: '%.100s' is played; choose another with --clip",
+        count, rsv_animation_clip(a, 0)->name);
     cli_note(session, text);
 }
 

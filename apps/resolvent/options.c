@@ -268,7 +268,7 @@ static int check_company(const cli_usage *usage, uint64_t given)
         if (!(given >> (option - usage->options) & 1) || !option->goes_with) continue;
         if (is_chosen(usage, option->goes_with, given)) continue;
         const char *choice = strchr(option->goes_with, '=');
-        return cli_usage_error(usage->command, "%s does nothing without %.*s%s%s", option->name,
+        return cli_usage_error(usage->command, "%s requires %.*s%s%s", option->name,
             (int)strcspn(option->goes_with, "="), option->goes_with, choice ? " " : "",
             choice ? choice + 1 : "");
     }

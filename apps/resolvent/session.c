@@ -35,7 +35,7 @@ static void on_lost_page(int signal_number)
 {
     static const char clear[] = "\r\033[K"; // of progress
     static const char text[] =
-        "error: a file that was being read was cut off meanwhile, or its disk fails: see who "
+        "error: a file was truncated while it was being read, or its disk has failed: check what "
         "else writes to operator files and checkpoints, and run the command again\n";
     static atomic_flag said = ATOMIC_FLAG_INIT;
     (void)signal_number;
@@ -263,7 +263,7 @@ static rsv_status add_environment(
             scene, name, environment->intensity, environment->rotation);
     }
     if (environment->intensity != 1 || environment->rotation != 0)
-        cli_warn(session, "--env-intensity and --env-rotate do nothing without --env");
+        cli_warn(session, "--env-intensity and --env-rotate require --env");
     return RSV_OK;
 }
 
@@ -275,7 +275,7 @@ static void warn_of_reading(cli_session *session)
     others.luminaires.count = 0;
     const char *given = cli_reading_given(&others);
     if (!given) return;
-    snprintf(line, sizeof line, "%s does nothing to built-in scenes", given);
+    snprintf(line, sizeof line, "%s has no effect on built-in scenes", given);
     cli_warn(session, line);
 }
 
@@ -339,7 +339,7 @@ static bool read_scene(cli_session *session, const char *name, bool is_file, rsv
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());
         cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,
-            near ? "did you mean '" : "`resolvent --help` lists those", near ? near : "",
+            near ? "did you mean '" : "`resolvent --help` lists them", near ? near : "",
             near ? "'?" : "");
         return false;
     }
@@ -390,7 +390,7 @@ int cli_report_failure(cli_session *session, rsv_status status)
     if (status != RSV_ERROR_CANCELLED)
         cli_error("%s", message);
     else if (cli_crew_speaks() && session->checkpoint)
-        fprintf(stderr, "cancelled; the same command goes on with the rows kept in '%s'\n",
+        fprintf(stderr, "cancelled; the same command continues with the rows saved in '%s'\n",
             session->checkpoint);
     else if (cli_crew_speaks())
         fputs("cancelled\n", stderr);

@@ -82,13 +82,13 @@ typedef struct cli_session {
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_READING_HELP                                                                                   \
-    "  --light-units U    units of the file's lights: watt (W/sr, W/m2), photometric (candela and lux,\n"  \
-    "                     divided by 683 lm/W), or auto (default): known from the exporting program\n"     \
-    "  --two-sided        treat single-sided materials of the file as double-sided\n"                      \
-    "  --emit SIDES       emissive materials emit from: file (default), as the file says; or both sides\n" \
-    "  --variant NAME     use this material variant of a glTF file\n"                                      \
-    "  --luminaire NAME=FILE  replace the light NAME, or add to the node or object NAME, a measured\n"     \
+#define CLI_READING_HELP                                                                                     \
+    "  --light-units U    units of the file's lights: watt (W/sr, W/m2), photometric (candela and lux,\n"    \
+    "                     divided by 683 lm/W), or auto (default): by the exporting program\n"               \
+    "  --two-sided        treat single-sided materials of the file as double-sided\n"                        \
+    "  --emit SIDES       sides that emissive materials emit from: file (default, as in the file) or both\n" \
+    "  --variant NAME     use this material variant of a glTF file\n"                                        \
+    "  --luminaire NAME=FILE  replace the light NAME, or add to the node or object NAME, a measured\n"       \
     "                     luminaire (.ies, .ldt); * matches any text\n"
 
 extern const char *const cli_light_unit_names[], *const cli_emit_names[];

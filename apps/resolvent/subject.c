@@ -121,7 +121,7 @@ static void warn_of_idle_options(
         if (option[k].given) {
             char text[96];
             snprintf(text, sizeof text,
-                "%s changes no solution: the operator file holds one already", option[k].name);
+                "%s has no effect: the operator file already holds a solution", option[k].name);
             cli_warn(session, text);
         }
 }

@@ -54,7 +54,7 @@ typedef struct cli_solve_choice {
     "  --petsc OPTIONS    solve with PETSc and these options, such as \"-ksp_type bcgs -ksp_monitor\"\n"\
     "  --seed N           seed of the random numbers (default 0)\n"                                \
     "  --max-elements N   at most N elements; the solution becomes coarser if it would need more\n"\
-    "  --max-memory SIZE  at most this much memory, such as 2GiB; likewise\n"
+    "  --max-memory SIZE  at most this much memory, such as 2GiB; may make the solution coarser\n"
 
 /// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.
 bool cli_prepare_solve(const cli_solve_choice *choice);

@@ -26,7 +26,8 @@ rsv_status rsv_bake_check_lights(const rsv_light_view *s, const rsv_bake_desc *d
     rsv_status status = rsv_light_responses_count(s->light, &count);
     if (status == RSV_OK && count > MANY_LIGHTS)
         rsv_log(s->context, RSV_LOG_WARNING,
-            "bake: the basis of %zu lights is computed light by light; join lights that need not be told apart",
+            "bake: the basis of %zu lights is computed light by light; join lights that you will "
+            "not change separately",
             count);
     return status;
 }
@@ -117,8 +118,8 @@ static rsv_status check_bytes(const basis *b)
     if (b->is_packed) return RSV_OK;
     if (bytes > most)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "bake: the basis of %zu lights at %zu receivers takes %.3g GB of memory, more than the %.3g GB that "
-            "there are; pack it (--packed), bake fewer receivers, or join lights",
+            "bake: the basis of %zu lights at %zu receivers takes %.3g GB of memory, more than "
+            "the %.3g GB available; pack it (--packed), bake fewer receivers, or join lights",
             b->count, b->reader->count, 1e-9 * bytes, 1e-9 * most);
     if (bytes > LARGE_BASIS)
         rsv_log(b->s->context, RSV_LOG_WARNING,

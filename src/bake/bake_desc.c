@@ -23,7 +23,7 @@ rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the error must be from 0.001 to 0.5");
     if (desc->judged > 65536)
         return rsv_fail(
-            RSV_ERROR_ARGUMENT, "bake: the values to be judged must be from 0 to 65536");
+            RSV_ERROR_ARGUMENT, "bake: the number of values to measure must be from 0 to 65536");
     if (!(desc->light_scale >= 0 && desc->light_scale <= 1e12f))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the light scale must be from 0 to 1e12");
     if (!(desc->density >= 0 && desc->density <= 1e6f))
@@ -37,6 +37,7 @@ rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
     if (desc->probe_samples < 32 || desc->probe_samples > 65536)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: a probe's samples must be from 32 to 65536");
     if (desc->turns < 1 || desc->turns > 64)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the surroundings' turns must be from 1 to 64");
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the number of environment angles must be from "
+                                            "1 to 64");
     return RSV_OK;
 }

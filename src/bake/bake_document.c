@@ -345,7 +345,7 @@ rsv_status rsv_bake_document_write(rsv_bake_document *d, const char *path)
            total = 28 + ((length + 3) & ~3ull) + ((d->byte_count + 3) & ~3ull);
     if (total > UINT32_MAX) {
         status =
-            rsv_fail(RSV_ERROR_UNSUPPORTED, "%s: it would exceed 4 GiB, the most of a .glb", path);
+            rsv_fail(RSV_ERROR_UNSUPPORTED, "%s: it would exceed 4 GiB, the limit of .glb", path);
         goto cleanup;
     }
     const uint32_t header[3] = { RSV_GLB_MAGIC, 2, (uint32_t)total };

@@ -307,8 +307,8 @@ static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
     if (stop == RSV_ERROR_TARGET_REACHED) return;
     if (stop == RSV_ERROR_TARGET_STALLED) {
         rsv_log(p->context, RSV_LOG_WARNING,
-            "error target: %.3g %% was not reached: %d rounds of refinement in a row have not "
-            "lowered the error, %.3g %% is the least; what errs is %s, `resolvent certify "
+            "error target: %.3g %% was not reached: %d rounds of refinement in a row have hardly "
+            "lowered the error; the smallest is %.3g %%, mostly due to %s; `resolvent certify "
             "--heatmap` shows where",
             100 * p->target->relative_error, IDLE_ROUNDS, 100 * p->best.upper,
             direct ? "direct light" : "indirect light, gathered sources or caustics");
@@ -316,13 +316,13 @@ static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
     }
     if (is_below_target(p)) {
         rsv_log(p->context, RSV_LOG_WARNING,
-            "error target: few points say up to %.3g %%; the budget of time ends before more "
-            "confirm it",
+            "error target: few points show up to %.3g %%; the time budget ends before more points "
+            "can confirm it",
             100 * p->upper);
         return;
     }
     rsv_log(p->context, RSV_LOG_WARNING,
-        "error target: %.3g %% was not reached, the budget of %s ends at %.3g %%",
+        "error target: %.3g %% was not reached; the budget of %s was used up at %.3g %%",
         100 * p->target->relative_error, budget[stop], 100 * p->best.upper);
 }
 

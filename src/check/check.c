@@ -43,8 +43,8 @@ static rsv_status check_scale(rsv_checker *c)
     const rsv_finding found = { .mistake = RSV_MISTAKE_SCALE, .amount = (double)size };
     if (c->view->triangle_count == 0 || (size >= TINY && size <= VAST)) return RSV_OK;
     return rsv_check_tell(c, &found, "",
-        "the scene is %.3g m from corner to corner: is its unit what its exporter wrote? lights of "
-        "so many watts are meant for metres",
+        "the scene is %.3g m from corner to corner: is the unit of the file right? its lights "
+        "assume metres",
         (double)size);
 }
 
@@ -62,7 +62,7 @@ static rsv_status check_light(rsv_checker *c)
     const rsv_finding found = { .mistake = RSV_MISTAKE_NO_LIGHT };
     if (shines(c->view)) return RSV_OK;
     return rsv_check_tell(c, &found, "",
-        "nothing shines: no lamp, no emission, no environment; export lights, or use --env sky");
+        "there is no light: no lamp, no emission, no environment; export lights, or use --env sky");
 }
 
 rsv_status rsv_scene_check(const rsv_scene *scene, rsv_finding **findings, size_t *count)

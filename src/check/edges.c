@@ -107,7 +107,8 @@ static rsv_status tell(rsv_checker *c, const object_edges *o, uint32_t object)
     const rsv_finding flipped = { .mistake = RSV_MISTAKE_FLIPPED_FACES, .count = o->flipped };
     if (o->flipped)
         RSV_TRY(rsv_check_tell(c, &flipped, name,
-            "object '%.100s': across %zu of its %zu inner edges faces turn different ways; "
+            "object '%.100s': at %zu of its %zu inner edges, the two faces have opposite "
+            "orientation; "
             "recalculate its normals",
             name, o->flipped, o->inner));
     size_t seams = count_seams(o, &widest);
@@ -116,8 +117,8 @@ static rsv_status tell(rsv_checker *c, const object_edges *o, uint32_t object)
     };
     if (seams)
         RSV_TRY(rsv_check_tell(c, &open, name,
-            "object '%.100s': %zu edges lie beside others, up to %.2g m apart, without sharing "
-            "vertices; merge vertices by distance",
+            "object '%.100s': %zu edges are at most %.2g m from others without sharing vertices; "
+            "merge vertices by distance",
             name, seams, (double)widest));
 cleanup:
     return status;

@@ -16,8 +16,8 @@ static rsv_status check_backs(rsv_checker *c, const rsv_tracer *tracer, const rs
     const rsv_finding found = { .mistake = RSV_MISTAKE_BACKS, .amount = seen.share };
     if (seen.share <= LARGEST_SHARE_OF_BACKS) return RSV_OK;
     return rsv_check_tell(c, &found, camera->name,
-        "camera '%.80s': %.0f %% of what it sees are single-sided surfaces from behind ('%.80s' "
-        "above all), which are black; flip their normals, or use --two-sided",
+        "camera '%.80s': %.0f %% of its view is the backs of single-sided surfaces (mostly "
+        "'%.80s'), which are black; flip their normals, or use --two-sided",
         camera->name, 100 * seen.share, c->view->material[seen.material].name);
 }
 
@@ -35,8 +35,8 @@ static rsv_status check_leaks(rsv_checker *c, const rsv_tracer *tracer, const rs
     const rsv_finding found = { .mistake = RSV_MISTAKE_LEAKS, .amount = (double)gone / DIRECTIONS };
     if (gone == 0 || found.amount > LARGEST_LEAK) return RSV_OK;
     return rsv_check_tell(c, &found, camera->name,
-        "camera '%.80s': %.2g %% of all directions from it lead out of what is closed otherwise: "
-        "light leaks through gaps or a small window there",
+        "camera '%.80s': %.2g %% of all directions from it leave an otherwise closed room: light "
+        "leaks there through gaps, or through a small window",
         camera->name, 100 * found.amount);
 }
 

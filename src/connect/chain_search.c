@@ -343,8 +343,8 @@ static void warn_of_facets(const rsv_connections *c, const target_list *targets,
         if ((double)facets <= rays || !turns) continue;
         uint32_t material = view->triangle_material[targets->target[k].triangle];
         rsv_log(c->context, RSV_LOG_WARNING,
-            "material '%s': probes miss most of the light of lamps that its more than %.0f flat facets send; give the "
-            "mesh smooth normals",
+            "material '%s': it has more than %.0f flat facets, so probes miss most of the light "
+            "that lamps send through them; give the mesh smooth normals",
             view->material[material].name, rays);
         return;
     }

@@ -9,10 +9,11 @@ rsv_status rsv_shades_check(const rsv_daylight *d, const rsv_daylight_run_desc *
     if (s->sensor_count != d->sensor_count || s->patches.count != d->patches.count ||
         s->desc.north != d->desc.north)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "daylight: the scene with its shades down has other sensors, patches or another north");
+            "daylight: the scene with its shades down must have the same sensors, patches and "
+            "north");
     if (desc->shade_lux > 0 && desc->shade_share >= 0 && desc->shade_share <= 1) return RSV_OK;
     return rsv_fail(RSV_ERROR_ARGUMENT,
-        "daylight: shades need an illuminance above 0 and a share within 0 to 1 to go down at");
+        "daylight: shades need an illuminance above 0, and a share from 0 to 1");
 }
 
 /// Whether the sun shines on enough of the sensors.

@@ -207,7 +207,7 @@ static rsv_status check_desc(const rsv_fit_desc *d)
 {
     if (!(d->lowest >= 0) || !(d->highest >= d->lowest) || !(d->highest <= HIGHEST))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "fit: factors from %g to %g are no range within 0 to %g", d->lowest, d->highest,
+            "fit: factors from %g to %g are not a range within 0 to %g", d->lowest, d->highest,
             HIGHEST);
     if (!(d->saving >= 0) || !isfinite(d->saving))
         return rsv_fail(RSV_ERROR_ARGUMENT, "fit: a saving of %g is not possible", d->saving);

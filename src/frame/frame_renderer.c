@@ -58,7 +58,7 @@ static rsv_status check_desc(const rsv_frame_desc *desc)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "frames: %u eyes are not in 1 .. %d", desc->eyes, RSV_MAX_EYES);
     if (!rsv_has_instructions(desc->instructions))
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "frames: this processor does not have %s",
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "frames: this CPU does not have %s",
             rsv_instructions_name(desc->instructions) ? rsv_instructions_name(desc->instructions)
                                                       : "such instructions");
     return RSV_OK;

@@ -35,7 +35,7 @@ rsv_status rsv_gpu_check_capability(const rsv_device_info *info, int major, char
 /// What a device says whose memory is too small: what takes how many MiB, and which device has how many.
 #define RSV_GPU_TOO_SMALL                                                                          \
     "%s would take %.0f MiB, and %s has %.0f MiB free; use a lower quality, or compute on the "    \
-    "processor"
+    "CPU"
 
 /// Notes a failure, unless there was one.
 void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...) RSV_PRINTF(3, 4);

@@ -42,7 +42,7 @@ rsv_status look_for_code(const rsv_device_info *info, char *message)
     if (error == cudaSuccess) return RSV_OK;
     cudaGetLastError();
     snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
-        "the plug-in was not built for %s of compute capability %s: %s; build it anew with "
+        "the plug-in was not built for %s of compute capability %s: %s; build it again with "
         "CMAKE_CUDA_ARCHITECTURES",
         info->name, info->capability, cudaGetErrorString(error));
     return RSV_ERROR_UNSUPPORTED;
@@ -63,7 +63,7 @@ rsv_status look(rsv_device_info *info, char *message)
     cudaError_t error = cudaGetDeviceCount(&count);
     if (driver == 0) {
         snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
-            "there is no NVIDIA driver; install it, or compute on the processor");
+            "there is no NVIDIA driver; install it, or compute on the CPU");
         return RSV_ERROR_UNSUPPORTED;
     }
     if (error == cudaSuccess && count > 0) error = cudaGetDeviceProperties(&properties, 0);

@@ -245,16 +245,16 @@ static const char *meaning_of(const char *message)
 {
     static const char *const known[][2] = {
         { "too small", "it is empty or cut off" },
-        { "malformed XML", "it is no well-formed XML, or cut off" },
+        { "malformed XML", "it is not well-formed XML, or cut off" },
         { "File came out empty", "it holds no scene: no <visual_scene> that its <scene> names" },
-        { "index count in <p>",
-            "a <p> element has not as many indices as the element around it announces" },
+        { "index count in <p>", "a <p> element does not have as many indices as its parent says" },
         { "Invalid data index", "an index of a <p> element is past the end of its source" },
-        { "Unable to resolve library", "it refers to a source or geometry that it does not hold" },
+        { "Unable to resolve library", "it refers to a source or geometry that it does not "
+                                       "contain" },
         { "old format version", "it is older than FBX 2011" },
         { "no Objects dictionary", "it holds no objects" },
         { "end of file", "it is empty, or cut off" },
-        { "unexpected token", "its text is not that of a file of this kind" },
+        { "unexpected token", "its text is not in this format" },
         { "mNumMeshes is 0", "it holds no triangle or polygon" },
         { "contains no faces", "it holds no triangle or polygon" },
         { "No meshes remaining", "it holds no triangle or polygon, only lines or points" },
@@ -263,14 +263,14 @@ static const char *meaning_of(const char *message)
         { "is out of range", "a face refers to a vertex that does not exist" },
         { "Invalid face index", "a face refers to a vertex that does not exist" },
         { "Cannot parse string", "there is a word where a number is expected" },
-        { "No suitable reader", "its content is not what its name says" },
-        { "allocate", "it is damaged, or more than memory holds" },
-        { "std::", "it is damaged, or more than memory holds" },
+        { "No suitable reader", "its content does not match its name" },
+        { "allocate", "it is damaged, or too large for memory" },
+        { "std::", "it is damaged, or too large for memory" },
     };
     for (size_t k = 0; k < sizeof known / sizeof *known; k++)
         if (strstr(message, known[k][0])) return known[k][1];
     return *message ? "its content is damaged, or of a kind that is not supported"
-                    : "it is damaged, or more than memory holds";
+                    : "it is damaged, or too large for memory";
 }
 
 /// Why a file was refused, where, and what to do.

@@ -185,7 +185,7 @@ bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
     const struct aiColor3D color = source->mColorDiffuse;
     if (!kind)
         return leave_out(context, name,
-            "ambient light is left out; surroundings (--env white) give light from everywhere");
+            "ambient light is left out; an environment (--env white) gives light from everywhere");
     if (color.r < 0 || color.g < 0 || color.b < 0)
         return leave_out(context, name, "negative light is left out");
     *light = (rsv_punctual_light){ .name = name,

@@ -227,7 +227,7 @@ static void take_blender_collada(
     material->metallic = metallic;
     material->roughness = 0.5f;
     rsv_log(context, RSV_LOG_WARNING,
-        "material '%s': how rough the metal is does not stand in the file; 0.5 is used",
+        "material '%s': the file does not give the roughness of the metal; 0.5 is used",
         material->name);
 }
 
@@ -243,7 +243,7 @@ static void warn_of_losses(const rsv_context *context, const rsv_material *mater
 {
     if (material->metallic > 0 && material->metallic < 1)
         rsv_log(context, RSV_LOG_WARNING,
-            "material '%s': its mirror reflection takes on the diffuse colour", material->name);
+            "material '%s': its mirror reflection gets the diffuse colour", material->name);
 }
 
 void rsv_assimp_material(const rsv_context *context, const rsv_assimp_maker *maker,

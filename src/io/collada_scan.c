@@ -261,7 +261,8 @@ static void warn(const scanner *s)
         if (f->id_count && bsearch(text, f->id, f->id_count, sizeof *f->id, compare_texts))
             continue;
         named++;
-        rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which it does not hold", path, text);
+        rsv_log(
+            context, RSV_LOG_WARNING, "%s: refers to '%s', which it does not contain", path, text);
     }
 }
 
@@ -302,7 +303,7 @@ static void check_numbers(scanner *s, const tag *t)
     for (char *c = count; *c; c++)
         if ((unsigned char)*c < ' ') *c = '?';
     rsv_log(s->context, RSV_LOG_WARNING,
-        "%s: a float_array says count=\"%.20s\" and holds %zu values, which are taken", s->path,
+        "%s: a float_array says count=\"%.20s\" and holds %zu values, which are used", s->path,
         count, held);
 }
 

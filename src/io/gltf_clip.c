@@ -60,7 +60,7 @@ static rsv_status account(reading *r, int accessor)
     r->bytes += sizeof(float) * (double)a->count * (double)a->component_count;
     if (r->bytes <= rsv_machine_memory()) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "animation '%s': its keys need more memory than there is; export it with fewer",
+        "animation '%s': its keys need more memory than is available; export it with fewer",
         r->animation->name);
 }
 
@@ -88,7 +88,9 @@ static rsv_status read_keys(reading *r, int sampler, size_t width, const rsv_glt
     *found = keys;
     if (keys->number.value && keys->number.width == width) return RSV_OK;
     if (keys->number.value)
-        return rsv_fail(RSV_ERROR_FORMAT, "animation '%s': sampler %d moves unlike things",
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "animation '%s': sampler %d is used for different kinds "
+            "of values",
             r->animation->name, sampler);
     RSV_TRY(account(r, from->input));
     RSV_TRY(account(r, from->output));
@@ -201,8 +203,8 @@ rsv_status rsv_gltf_clip_create(
     find_range(clip);
     note_others(&r);
     tell(&r, &r.fixed, "would move nodes that have a matrix, and are not played");
-    tell(&r, &r.unmorphed, "have weights of no morph targets, and are not played");
-    tell(&r, &r.twice, "move what another one moves already, and are not played");
+    tell(&r, &r.unmorphed, "have weights without morph targets, and are not played");
+    tell(&r, &r.twice, "move something that another channel already moves, and are not played");
 cleanup:
     rsv_free(context, r.moved);
     if (status != RSV_OK) rsv_gltf_clip_destroy(clip);

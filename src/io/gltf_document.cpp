@@ -326,7 +326,7 @@ void convert_nodes(owned_document &document)
         if (!make_affine(node.local)) skewed.add(label(source, "node", document.nodes.size()));
         document.nodes.push_back(node);
     }
-    both.tell(document, "nodes", "translation, rotation and scale are ignored beside a matrix");
+    both.tell(document, "nodes", "translation, rotation and scale are ignored next to a matrix");
     skewed.tell(document, "nodes", "the last row of the matrix is not 0, 0, 0, 1, and is ignored");
 }
 
@@ -486,15 +486,15 @@ void convert_light(owned_document &document, const json &source)
             owner + ": its type '" + shown(type) + "' is not in the format; it is left out");
     exact_numbers(source, "color", 3, factor, owner);
     if (light.known && std::min(std::min(factor[0], factor[1]), factor[2]) * intensity < 0) {
-        note(document, RSV_LOG_WARNING, owner + ": it takes light away; it is left out");
+        note(document, RSV_LOG_WARNING, owner + ": its intensity is negative; it is left out");
         light.known = false;
     }
     light.value.intensity = { static_cast<float>(factor[0] * intensity),
         static_cast<float>(factor[1] * intensity), static_cast<float>(factor[2] * intensity) };
     if (rsv_punctual_facts_of(light.value.kind).has_cone && convert_cone(source, light.value))
         note(document, RSV_LOG_WARNING,
-            owner + ": its cone is not in the format (0 <= inner <= outer <= pi/2), and is brought "
-                    "into it");
+            owner + ": its cone is outside the format's range (0 <= inner <= outer <= pi/2), and "
+                    "is clamped to it");
     document.lights.push_back(light);
 }
 
@@ -504,8 +504,7 @@ void note_ranges(owned_document &document, const json &lights)
     group ranged;
     for (size_t k = 0; k < lights.size(); k++)
         if (member(lights[k], "range").is_number()) ranged.add(label(lights[k], "light", k));
-    ranged.tell(
-        document, "lights", "the range is ignored: light reaches as far as nothing is in its way");
+    ranged.tell(document, "lights", "the range is ignored: light reaches any distance");
 }
 
 void convert_luminaires(owned_document &document)

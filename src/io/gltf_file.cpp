@@ -148,7 +148,7 @@ std::string decode_data_uri(const std::string &uri, size_t most, bytes &data)
     for (; at < end && *at != '='; at++) {
         const int digit = value[static_cast<unsigned char>(*at)];
         if (digit < 0 && std::strchr(" \t\r\n", *at) && *at) continue;
-        if (digit < 0) return "its data URI holds what is not base64";
+        if (digit < 0) return "its data URI is not valid base64";
         word = word << 6 | static_cast<uint32_t>(digit);
         bits += 6;
         if (bits < 8) continue;
@@ -282,7 +282,7 @@ void check_version(const json &root)
                              least = version_of(asset, "minVersion");
     if (version[0] < 0)
         refuse(RSV_ERROR_FORMAT,
-            "is not valid glTF: it names no asset.version, and may be something else");
+            "is not valid glTF: it has no asset.version, and may be something else");
     const bool suffices = least[0] == 2 && version[0] > 2;
     if (version[0] != 2 && !suffices)
         refuse(RSV_ERROR_UNSUPPORTED,
@@ -291,7 +291,7 @@ void check_version(const json &root)
     if (least[0] > 2 || (least[0] == 2 && least[1] > 0))
         refuse(RSV_ERROR_UNSUPPORTED, "needs a reader of glTF " + std::to_string(least[0]) + "." +
                                           std::to_string(least[1]) +
-                                          " (asset.minVersion); 2.0 is what is supported");
+                                          " (asset.minVersion); only 2.0 is supported");
 }
 
 /// Extensions that are read, or whose absence changes nothing here.

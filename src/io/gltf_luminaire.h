@@ -9,7 +9,7 @@
 rsv_status rsv_gltf_read_luminaire(
     rsv_context *context, const rsv_gltf_document *document, int index, rsv_luminaire *luminaire);
 
-/// The light that a node has, without its place. False where its transform leaves it no direction.
+/// The light that a node has, without its place. False where its transform makes its direction zero.
 /// @param world of the node
 bool rsv_gltf_luminaire_light(const rsv_gltf_node *node, const double world[16],
     const rsv_luminaire *luminaire, rsv_punctual_light *light);

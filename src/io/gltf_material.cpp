@@ -70,7 +70,7 @@ void convert_base_color(
     const std::string mode = text(source, "alphaMode");
     const double cutoff = mode == "MASK" ? number(source, "alphaCutoff", 0.5) : 0;
     if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
-        add_note(to, "its alphaMode '" + shown(mode) + "' is not in the format; OPAQUE is taken");
+        add_note(to, "its alphaMode '" + shown(mode) + "' is not in the format; OPAQUE is used");
     m.base_color = to_rgb(factor);
     add_texture(to, RSV_TEXTURE_BASE_COLOR, true, use);
     to.material.opaque = mode != "BLEND" && !(cutoff > 0);
@@ -178,8 +178,8 @@ void convert_extensions(const json &source, owned_material &to)
     float &ior = to.material.value.ior;
     if (ior == 0) ior = 1e3f; // stands for total reflection
     if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())
-        add_note(
-            to, "clearcoatNormalTexture is ignored: the coat has the normals of what it covers");
+        add_note(to, "clearcoatNormalTexture is ignored: the coat has the normals of the material "
+                     "below");
     else if (to.material.value.clearcoat > 0 &&
              reference(member(source, "normalTexture"), "index") >= 0)
         add_note(to, "its clear coat should be smooth over the normal map, and follows it instead");
@@ -224,10 +224,9 @@ void convert_scatter(const json &source, owned_material &to)
 void note_left_out(const json &source, owned_material &to)
 {
     if (reference(member(source, "occlusionTexture"), "index") >= 0)
-        to.remark += "; its occlusion texture is left out: light is computed instead";
+        to.remark += "; its occlusion texture is left out: occlusion is computed";
     if (!member(extension(source, "KHR_materials_volume"), "thicknessTexture").is_null())
-        to.remark +=
-            "; its thickness texture is left out: bodies are as thick as they are modelled";
+        to.remark += "; its thickness texture is left out: the mesh gives the thickness";
 }
 
 } // namespace

@@ -56,7 +56,7 @@ void check_packed(const packed_view &view, const std::string &what)
                                     : view.length;
     if (view.count > most)
         refuse(RSV_ERROR_FORMAT, what + ": " + std::to_string(view.count) +
-                                     " elements cannot come out of " + std::to_string(view.length) +
+                                     " elements do not fit in " + std::to_string(view.length) +
                                      " bytes");
 }
 

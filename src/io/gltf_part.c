@@ -158,8 +158,8 @@ static rsv_status count_instances(
     double bytes = first < 0 ? 0 : elements_of(document, accessor[first]) * each;
     if (bytes > memory)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "node '%s': %zu instances of mesh '%s' need %.3g GB of memory at the least, more than "
-            "there is; leave most of them out",
+            "node '%s': %zu instances of mesh '%s' need at least %.3g GB of memory, more than is "
+            "available; leave most of them out",
             node->name, *count, mesh->name, bytes / 1e9);
     return RSV_OK;
 }
@@ -239,8 +239,8 @@ static rsv_status account(rsv_gltf_parts *parts, const rsv_gltf_part *part)
             part->skinned || node->weight);
     if (!(parts->bytes > parts->memory)) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "with node '%s' %zu meshes are shown, which need %.3g GB of memory at the least, more than "
-        "there is; leave most of them out",
+        "with node '%s' %zu meshes are shown, which need at least %.3g GB of memory, more than is "
+        "available; leave most of them out",
         node->name, parts->count + 1, parts->bytes / 1e9);
 }
 

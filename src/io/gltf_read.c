@@ -92,7 +92,7 @@ static rsv_status add_geometry(reader *r, const rsv_gltf_geometry *g, const char
 {
     if (g->index_count % 3 && !r->is_moment)
         rsv_log(r->context, RSV_LOG_WARNING,
-            "mesh '%s': the last %zu indices make no whole triangle and are ignored", owner,
+            "mesh '%s': the last %zu indices do not form a whole triangle and are ignored", owner,
             g->index_count % 3);
     const rsv_mesh_desc mesh = { .size = sizeof mesh,
         .name = owner,
@@ -283,12 +283,12 @@ static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double 
     bool orthographic = camera.vertical_fov == 0 && camera.vertical_extent > 0;
     if (!*camera.name) camera.name = node->name;
     if ((!perspective && !orthographic) || !(camera.aspect >= 0 && isfinite(camera.aspect)))
-        return leave_out(r, node, "camera", "its lens shows nothing (yfov, ymag or aspect)");
+        return leave_out(r, node, "camera", "its lens is not valid (yfov, ymag or aspect)");
     camera.forward = v3_neg(v3_normalize(column_of(world, 2)));
     camera.right = v3_normalize(v3_cross(camera.forward, column_of(world, 1)));
     camera.up = v3_cross(camera.right, camera.forward);
     if (v3_length(camera.right) == 0)
-        return leave_out(r, node, "camera", "its transform leaves it no direction");
+        return leave_out(r, node, "camera", "its transform makes its direction zero");
     return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
@@ -312,7 +312,7 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     light.intensity = scaled(
         light.intensity, rsv_punctual_is_distant(&light) ? r->scale.distant : r->scale.local);
     if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
-        return leave_out(r, node, "light", "its transform leaves it no direction");
+        return leave_out(r, node, "light", "its transform makes its direction zero");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }
 
@@ -323,7 +323,7 @@ static rsv_status add_luminaire(reader *r, const rsv_gltf_node *node, const doub
     rsv_punctual_light light;
     rsv_rgb scale = node->luminaire_scale;
     if (f_min(scale.r, f_min(scale.g, scale.b)) < 0)
-        return leave_out(r, node, "luminaire", "it takes light away");
+        return leave_out(r, node, "luminaire", "its intensity is negative");
     status = rsv_gltf_read_luminaire(r->context, r->document, node->luminaire, &luminaire);
     if (status == RSV_ERROR_FORMAT) {
         char problem[512];
@@ -333,7 +333,7 @@ static rsv_status add_luminaire(reader *r, const rsv_gltf_node *node, const doub
     }
     RSV_TRY(status);
     if (!rsv_gltf_luminaire_light(node, world, &luminaire, &light)) {
-        status = leave_out(r, node, "luminaire", "its transform leaves it no direction");
+        status = leave_out(r, node, "luminaire", "its transform makes its direction zero");
     } else {
         RSV_TRY(rsv_scene_add_luminaire(r->scene, &luminaire, &light.luminaire));
         status = rsv_scene_place_light(r->scene, &light, world + 12, node->name);

@@ -573,7 +573,7 @@ static rsv_status measure(const writer *w, const char *json, extent *e)
     e->total = 12 + 8 + e->json_bytes + 8 + e->binary_bytes;
     if (e->total <= UINT32_MAX) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "the scene needs %zu bytes, but a .glb file holds 4 GiB at most", e->total);
+        "the scene needs %zu bytes, but a .glb file can hold at most 4 GiB", e->total);
 }
 
 /// Header, JSON chunk and binary chunk; see "GLB File Format Specification" of glTF 2.0.

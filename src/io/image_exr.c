@@ -26,10 +26,10 @@ static const char *meaning_of(exr_result_t result)
 {
     switch (result) {
     case EXR_ERR_OUT_OF_MEMORY:
-        return "it is damaged, or more than memory holds";
+        return "it is damaged, or too large for memory";
     case EXR_ERR_FILE_ACCESS:
     case EXR_ERR_FILE_BAD_HEADER:
-        return "it is no EXR file, or its header is damaged";
+        return "it is not an EXR file, or its header is damaged";
     case EXR_ERR_MISSING_REQ_ATTR:
     case EXR_ERR_NO_ATTR_BY_NAME:
         return "its header lacks an attribute that every EXR file has";

@@ -117,9 +117,8 @@ static rsv_status find_level(ktx *k)
     bool fits = k->packing == PLAIN ? k->size == k->unpacked
                                     : k->unpacked / BYTES_PER_PACKED_BYTE <= k->size;
     if (fits) return RSV_OK;
-    return rsv_fail(RSV_ERROR_FORMAT,
-        "cannot read '%s': %u x %u texels cannot come out of %llu bytes", k->file->path, k->width,
-        k->height, (unsigned long long)k->size);
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %u x %u texels do not fit in %llu bytes",
+        k->file->path, k->width, k->height, (unsigned long long)k->size);
 }
 
 /// The value of a key, with its size; NULL = there is none.

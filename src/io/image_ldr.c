@@ -86,11 +86,11 @@ static const stbi_io_callbacks source_callbacks = { source_read, source_skip, so
 static rsv_status fail_decoding(const source *from)
 {
     static const char *const known[][2] = {
-        { "not of any known", "it is no PNG, JPEG, TGA, BMP or GIF, or its head is damaged" },
+        { "not of any known", "it is not a PNG, JPEG, TGA, BMP or GIF, or its header is damaged" },
         { "not supported",
             "a kind of PNG, JPEG or TGA that is not supported; save it as plain 8-bit PNG" },
         { "BMP", "a kind of BMP that is not supported, or damaged; save it as plain 8-bit PNG" },
-        { "memory", "it is damaged, or more than memory holds" },
+        { "memory", "it is damaged, or too large for memory" },
         { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" }
     };
     const char *said = stbi_failure_reason(), *meaning = "its data are damaged";
@@ -121,9 +121,8 @@ static rsv_status check_pixel_count(const rsv_image_file *file, int width, int h
 {
     size_t most = rsv_image_pixels_per_byte(file);
     if ((size_t)width * (size_t)height / most <= file->size) return RSV_OK;
-    return rsv_fail(RSV_ERROR_FORMAT,
-        "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width, height,
-        file->size);
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %d x %d pixels do not fit in %zu bytes",
+        file->path, width, height, file->size);
 }
 
 static void warn_of_unused(rsv_context *context, const rsv_image_file *file)

@@ -60,7 +60,7 @@ rsv_status rsv_image_check_tga(const rsv_image_file *file)
     size_t needed = TGA_HEADER + b[0] + map + pixels * ((b[16] + 7u) / 8);
     if (needed <= file->size) return RSV_OK;
     return rsv_fail(RSV_ERROR_FORMAT,
-        "cannot read '%s': the file is truncated, or no picture: as TGA it would have %zu bytes",
+        "cannot read '%s': the file is truncated, or not a picture: as TGA it would have %zu bytes",
         file->path, needed);
 }
 

@@ -39,8 +39,8 @@ rsv_status rsv_image_decode_webp(const rsv_image_file *file, rsv_image_codes *co
     int width = config.input.width, height = config.input.height; // at most 16383 each
     if ((uint64_t)width * (uint64_t)height / PIXELS_PER_BYTE > file->size)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width,
-            height, file->size);
+            "cannot read '%s': %d x %d pixels do not fit in %zu bytes", file->path, width, height,
+            file->size);
     size_t channels = config.input.has_alpha ? 4 : 3;
     size_t bytes = (size_t)width * (size_t)height * channels;
     uint8_t *pixel = malloc(bytes);

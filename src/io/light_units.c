@@ -27,13 +27,13 @@ typedef enum way { WAY_CANDELA, WAY_WATT_PER_SR, WAY_WATT, WAYS } way;
 static const rsv_light_scale scale_of_way[WAYS] = {
     [WAY_CANDELA] = { 1 / RSV_LUMENS_PER_WATT, 1 / RSV_LUMENS_PER_WATT, 1,
         "lights are in candela and lux, as Blender exports them: divided by 683 lm/W; "
-        "--light-units watt takes their numbers for W/sr and W/m2" },
+        "--light-units watt reads their numbers as W/sr and W/m2" },
     [WAY_WATT_PER_SR] = { 1, 1, 1,
         "lights are in W/sr and W/m2, as Blender exports them without units; --light-units "
-        "photometric takes them for candela and lux" },
+        "photometric reads them as candela and lux" },
     [WAY_WATT] = { 1 / FOUR_PI, 1, 1,
         "lights are in watts, as Blender exports them raw: divided by 4 pi; --light-units watt "
-        "takes their numbers for W/sr" },
+        "reads their numbers as W/sr" },
 };
 
 /// Whether a number has four digits at most, but for what rounding to a float makes of it.
@@ -85,7 +85,7 @@ rsv_light_scale rsv_gltf_light_scale(const rsv_gltf_document *document, rsv_ligh
     if (version >= 0) return scale_of_way[find_way(document, version)];
     if (strncmp(document->generator, "Resolvent", 9) == 0) return scale;
     scale.said =
-        "lights are taken to be in W/sr and W/m2, as the file does not say who wrote it in "
+        "lights are assumed to be in W/sr and W/m2, because the file does not say that it is in "
         "candela and lux; --light-units photometric divides them by 683 lm/W";
     return scale;
 }

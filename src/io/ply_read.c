@@ -286,7 +286,7 @@ static void warn_of_losses(const ply_reader *r, const char *path)
         rsv_log(r->context, RSV_LOG_WARNING, "%s: not used: %zu faces of fewer than three corners",
             path, r->flat);
     if (rest)
-        rsv_log(r->context, RSV_LOG_WARNING, "%s: %zu bytes behind its last element are not used",
+        rsv_log(r->context, RSV_LOG_WARNING, "%s: %zu bytes after its last element are not used",
             path, rest);
 }
 

@@ -170,7 +170,8 @@ static rsv_status load_texture(parcel *p, const rsv_part_texture *part, arrived_
     *arrived = (arrived_texture){ .id = RSV_NONE, .name = part->name };
     if (is_beside && !rsv_find_beside(p->files, p->path, part->name, path, sizeof path))
         status =
-            rsv_fail(RSV_ERROR_IO, "there is no such file, nor one of its name beside the scene");
+            rsv_fail(RSV_ERROR_IO, "there is no such file, and none of its name in the scene's "
+                                   "folder");
     else if (is_beside)
         status = rsv_image_file_read(context, p->files, path, &source.file);
     source.file.path = part->name;

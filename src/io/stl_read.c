@@ -112,7 +112,7 @@ static rsv_status count_records(const stl_reader *r, size_t *count)
             *count, held);
     size_t rest = r->size - TABLE_START - *count * RECORD_BYTES;
     if (rest)
-        rsv_log(r->context, RSV_LOG_WARNING, "%s: %zu bytes behind its last triangle are not used",
+        rsv_log(r->context, RSV_LOG_WARNING, "%s: %zu bytes after its last triangle are not used",
             r->path, rest);
     return RSV_OK;
 }
@@ -310,7 +310,7 @@ static rsv_status read_statement(stl_reader *r, cursor *c, const char *word, boo
     if (strcmp(word, "outer") == 0 || strcmp(word, "inner") == 0) {
         next_word(c, loop);
         if (strcmp(loop, "loop") == 0) return read_loop(r, c);
-        return rsv_fail(RSV_ERROR_FORMAT, "line %zu: expected 'loop' behind '%s'", c->line, word);
+        return rsv_fail(RSV_ERROR_FORMAT, "line %zu: expected 'loop' after '%s'", c->line, word);
     }
     if (strcmp(word, "facet") != 0 && strcmp(word, "endfacet") != 0) pass_over(r, c, word);
     return RSV_OK;

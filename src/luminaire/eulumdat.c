@@ -20,7 +20,7 @@ static rsv_status skip_lines(rsv_luminaire_text *t, int count)
     for (int k = 0; k < count; k++)
         if (!rsv_luminaire_line(t, line, sizeof line))
             return rsv_luminaire_complain(
-                t, "the file ends early; is it IES LM-63 or EULUMDAT at all?");
+                t, "the file ends early; is it really IES LM-63 or EULUMDAT?");
     return RSV_OK;
 }
 
@@ -31,7 +31,7 @@ static rsv_status read_line(
     char line[128];
     if (!rsv_luminaire_line(t, line, sizeof line))
         return rsv_luminaire_complain(
-            t, "the file ends early; is it IES LM-63 or EULUMDAT at all?");
+            t, "the file ends early; is it really IES LM-63 or EULUMDAT?");
     rsv_luminaire_text one = { t->context, t->path, line, line, t->to };
     *value = 0;
     for (char *c = line; *c; c++)
@@ -54,9 +54,9 @@ static rsv_status read_head(rsv_luminaire_text *t, eulumdat_facts *f)
     RSV_TRY(read_line(t, "the type", types, &f->type));
     RSV_TRY(read_line(t, "the symmetry", kinds, &f->symmetry));
     RSV_TRY(read_line(t, "the number of C planes", counts, &f->planes));
-    RSV_TRY(read_line(t, "the distance of C planes", steps, &f->plane_step));
+    RSV_TRY(read_line(t, "the distance between C planes", steps, &f->plane_step));
     RSV_TRY(read_line(t, "the number of angles", counts, &f->angles));
-    RSV_TRY(read_line(t, "the distance of angles", steps, &f->angle_step));
+    RSV_TRY(read_line(t, "the distance between angles", steps, &f->angle_step));
     RSV_TRY(skip_lines(t, 1));
     if (!rsv_luminaire_line(t, t->to->name, sizeof t->to->name)) RSV_TRY(skip_lines(t, 1));
     RSV_TRY(skip_lines(t, 3));
@@ -157,7 +157,7 @@ rsv_status rsv_luminaire_read_eulumdat(rsv_luminaire_text *t)
     uint32_t stored = stored_planes(&f, &first);
     RSV_TRY(first + stored <= (uint32_t)f.planes
                 ? RSV_OK
-                : rsv_luminaire_complain(t, "there are fewer C planes than the symmetry asks for"));
+                : rsv_luminaire_complain(t, "there are fewer C planes than the symmetry requires"));
     RSV_TRY(rsv_luminaire_reserve(t, (uint32_t)f.angles, stored));
     RSV_TRY(read_planes(t, &f, first, stored));
     RSV_TRY(rsv_luminaire_angles(t, "an angle G", l->vertical_count, l->vertical));

@@ -29,7 +29,7 @@ rsv_status rsv_luminaire_number(rsv_luminaire_text *t, const char *name, double 
     t->rest += strspn(t->rest, " \t\r\n,;");
     *value = rsv_number_value(t->rest, &end);
     if (end == t->rest || !isfinite(*value) || fabs(*value) > 1e30) {
-        snprintf(what, sizeof what, "%s is missing or no number", name);
+        snprintf(what, sizeof what, "%s is missing or not a number", name);
         return rsv_luminaire_complain(t, what);
     }
     t->rest = end;

@@ -120,7 +120,7 @@ static rsv_status read_entries(
     if (covered != data_bytes)
         return rsv_fail(RSV_ERROR_FORMAT,
             "%s: its tensors hold %llu bytes, but %llu follow the header: the file is cut off or "
-            "foreign; solve the scene again",
+            "not an operator file; solve the scene again",
             file->path, (unsigned long long)covered, (unsigned long long)data_bytes);
     return RSV_OK;
 }
@@ -140,7 +140,8 @@ static rsv_status read_header(rsv_tensor_file *file)
     if (!cJSON_IsObject(root)) {
         cJSON_Delete(root);
         return rsv_fail(RSV_ERROR_FORMAT,
-            "%s: its header is no JSON object: it is damaged or no operator file", file->path);
+            "%s: its header is not a JSON object: it is damaged or not an operator file",
+            file->path);
     }
     file->notes = cJSON_DetachItemFromObjectCaseSensitive(root, "__metadata__");
     rsv_status status =
@@ -193,6 +194,7 @@ rsv_status rsv_tensor_file_verify(const rsv_tensor_file *file)
     rsv_sha256_end(&hash, found);
     if (strcmp(stated, found) == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_FORMAT,
-        "%s: its checksum does not fit its content: it was damaged or changed; solve the scene again",
+        "%s: its checksum does not match its content: it was damaged or changed; solve the scene "
+        "again",
         file->path);
 }

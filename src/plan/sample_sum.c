@@ -47,6 +47,20 @@ rsv_status rsv_sample_sum_add(
     return status;
 }
 
+rsv_status rsv_sample_sum_add_pair(
+    rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass[2])
+{
+    RSV_ASSERT(!sum->taken);
+    if (sum->half[1]) {
+        sum->half_samples += samples;
+        for (int k = 0; k < 2; k++)
+            mix(sum->half[k], pass[k], (float)samples / (float)sum->half_samples);
+    }
+    rsv_status first = rsv_sample_sum_add(context, sum, samples, pass[0]);
+    rsv_status second = rsv_sample_sum_add(context, sum, samples, pass[1]);
+    return first != RSV_OK ? first : second;
+}
+
 /// Each pixel by the samples that it has.
 static void mix_uneven(const rsv_sample_sum *sum, const uint32_t *count, const rsv_image *pass)
 {

@@ -4,18 +4,22 @@
 
 #include "resolvent/render.h"
 
-/// The first two passes have equally many samples: their difference is what tells the noise.
+/// The first two passes have equally many samples, as pairs that join them have: their difference is what tells the noise.
 typedef struct rsv_sample_sum {
     rsv_image *mean; ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2];
     uint32_t *taken;       ///< [height * width] samples of each pixel; NULL = equally many
     uint32_t samples;      ///< of all passes, on average
-    uint32_t half_samples; ///< of each of the first two
+    uint32_t half_samples; ///< of each half
 } rsv_sample_sum;
 
 /// Adds a pass, which it takes over; its first layer is what the noise is known of.
 rsv_status rsv_sample_sum_add(
     rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass);
+
+/// Adds two passes of equally many samples, one to each half, as above: the first ones or, before any that is uneven, more.
+rsv_status rsv_sample_sum_add_pair(
+    rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass[2]);
 
 /// Adds a pass with its own number of samples for each pixel, as above. @param count [height * width]
 rsv_status rsv_sample_sum_add_uneven(

@@ -184,8 +184,8 @@ rsv_status rsv_gathered_scale(
         rsv_rgb own = settings->scale[k];
         if (first && (own.r != scale->r || own.g != scale->g || own.b != scale->b))
             return rsv_fail(RSV_ERROR_UNSUPPORTED,
-                "relight: lamps '%s' and '%s' fill much of the view and are stored together; scale "
-                "both alike or solve anew",
+                "relight: lamps '%s' and '%s' fill much of the view and are stored together; "
+                "scale both by the same factor, or solve the scene again",
                 first, source->name);
         first = source->name;
         *scale = own;

@@ -296,8 +296,7 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_punctual_light *
     const rsv_light_basis *b = r->basis;
     for (size_t k = 0; k < b->source_count; k++)
         if (light->name && strcmp(b->source[k].name, light->name) == 0)
-            return rsv_fail(
-                RSV_ERROR_ARGUMENT, "relight: there is a light '%s' already", light->name);
+            return rsv_fail(RSV_ERROR_ARGUMENT, "relight: light '%s' already exists", light->name);
     return RSV_OK;
 }
 

@@ -133,7 +133,7 @@ static bool is_endless(const rsv_fog *fog)
 rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog)
 {
     if (check_fog(fog) != RSV_OK || rgb_is_black(fog->extinction) || is_endless(fog))
-        return rsv_fail(RSV_ERROR_FORMAT, "scene: its fog is none that a solution can have");
+        return rsv_fail(RSV_ERROR_FORMAT, "scene: a solution cannot have this fog");
     scene->fog = *fog;
     scene->view.fog = &scene->fog;
     return RSV_OK;
@@ -150,8 +150,8 @@ rsv_status rsv_scene_refuse_endless_fog(const rsv_scene *scene, const char *what
 {
     if (!scene->view.fog || !is_endless(scene->view.fog)) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "fog: %s has elements of fog in a finite box alone; mode reference follows light through "
-        "fog without end, such as that of --fog-height, or leave out the height",
+        "fog: %s only supports fog in a finite box; leave out the height (--fog-height), or use "
+        "mode reference",
         what);
 }
 

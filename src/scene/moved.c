@@ -46,7 +46,7 @@ static rsv_status place(const rsv_scene *scene, const rsv_motion *motion, placem
 {
     const float *m = motion->matrix;
     if (motion->object >= scene->object_count)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: object %u is to move; there are %zu",
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: object %u does not exist; there are %zu",
             motion->object, scene->object_count);
     rsv_status status = check_matrix(scene, motion);
     if (status != RSV_OK) return status;
@@ -59,7 +59,7 @@ static rsv_status place(const rsv_scene *scene, const rsv_motion *motion, placem
     float extent = v3_length(p->axis[0]) * v3_length(p->axis[1]) * v3_length(p->axis[2]);
     if (!(fabsf(volume) > 1e-6f * extent) || !(fabsf(volume) > 1e-18f))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "scene: object '%s' is scaled to nothing; leave it out of the scene instead",
+            "scene: object '%s' is scaled to zero; leave it out of the scene instead",
             object_name(scene, motion));
     if (volume < 0)
         return rsv_fail(RSV_ERROR_ARGUMENT,
@@ -150,7 +150,8 @@ static bool is_same_material(const rsv_material *a, const rsv_material *b)
 static rsv_status refuse(const char *what)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "scene: this version has other %s: a light follows moved surfaces alone; solve it again",
+        "scene: this version has different %s; a light can only follow surfaces that move: solve "
+        "the scene again",
         what);
 }
 
@@ -247,7 +248,7 @@ static rsv_status check_translucent(const rsv_scene *a, const rsv_scene *b, cons
         if (!keeps_shape(a, b, object, a->triangle[t][0]))
             status = rsv_fail(RSV_ERROR_UNSUPPORTED,
                 "scene: the translucent object '%s' changes its shape, which a light does not "
-                "follow; solve it again",
+                "follow; solve the scene again",
                 a->object_name[object]);
     }
     rsv_free(a->context, done);

@@ -247,13 +247,14 @@ rsv_status rsv_scene_take_origin(rsv_scene *scene)
     rsv_far_origin(&all, scene->origin);
     shift_fixtures(scene);
     rsv_log(scene->context, RSV_LOG_INFO,
-        "the scene lies far from its origin: (%.15g, %.15g, %.15g) m is taken out of its "
-        "coordinates while it is worked on, and put back in what is written",
+        "the scene lies far from its origin: (%.15g, %.15g, %.15g) m is subtracted from its "
+        "coordinates internally, and added again in all output",
         scene->origin[0], scene->origin[1], scene->origin[2]);
     if (grain > FEW_DIGITS * size_of(&all))
         rsv_log(scene->context, RSV_LOG_WARNING,
-            "the file states places so far away in single precision, which tells them apart by "
-            "%.2g m: finer details of its %.3g m are lost; export it nearer to the origin, or as "
+            "the file stores these positions in single precision, which resolves %.2g m there: "
+            "finer details of the scene (%.3g m across) are lost; export it closer to the origin, "
+            "or as "
             "glTF with that distance in the translation of a node",
             grain, size_of(&all));
     return RSV_OK;

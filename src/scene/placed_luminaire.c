@@ -106,7 +106,7 @@ static size_t replace_lights(
         count++;
         if (rsv_punctual_is_distant(&scene->light[k]))
             rsv_log(scene->context, RSV_LOG_WARNING,
-                "light '%s' is infinitely far away and stays as it is: no luminaire hangs there",
+                "light '%s' is infinitely far away, so no luminaire can replace it",
                 scene->light[k].name);
         else
             replace_light(&scene->light[k], shape);

@@ -128,7 +128,8 @@ static void tell_gaps(const rsv_weather_text *t)
             t->path, w->filled, w->count);
     if (w->missing)
         rsv_log(t->context, RSV_LOG_WARNING,
-            "%s: leaves out %zu hours of the year; figures are of the others", t->path, w->missing);
+            "%s: %zu hours of the year are missing; results are for the others", t->path,
+            w->missing);
 }
 
 static rsv_status finish(rsv_weather_text *t)
@@ -136,7 +137,7 @@ static rsv_status finish(rsv_weather_text *t)
     rsv_weather *w = t->weather;
     double hours = 0, year = w->leap ? 8784 : 8760;
     if (w->count == 0)
-        return rsv_fail(RSV_ERROR_FORMAT, "%s: holds no records behind its header", t->path);
+        return rsv_fail(RSV_ERROR_FORMAT, "%s: holds no records after its header", t->path);
     for (size_t k = 0; k < w->count; k++)
         hours += w->hour[k].hours;
     w->missing = hours < year ? (size_t)(year - hours + 0.5) : 0;

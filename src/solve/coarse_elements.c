@@ -5,6 +5,7 @@
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
 #include "../elements/elements.h"
+#include "../elements/open_corners.h"
 #include "../update/kept_elements.h"
 #include "../update/update.h"
 #include "solve_constants.h"
@@ -123,6 +124,9 @@ rsv_status rsv_coarse_elements_create_for_goal(rsv_builder *b, const rsv_goal *g
     coarsest = b->elements;
     b->elements = NULL;
     RSV_TRY(rsv_elements_refine_where(coarsest, choose_for_goal, &chooser, &b->elements));
+    // where it was learned, cells of the same size have been judged
+    RSV_TRY(rsv_elements_find_open_corners(
+        &b->scene, goal->elements, b->elements, &b->report.rays));
     RSV_TRY(refine_contacts(b, &growth));
     RSV_TRY(prepare_elements(b, NULL));
 cleanup:

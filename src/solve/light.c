@@ -312,7 +312,7 @@ rsv_status rsv_light_require_parts(const rsv_light_view *s)
     if (rsv_light_has_parts(s)) return RSV_OK;
     bool uneven = s->scene.view->fog->anisotropy != 0;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "relight: in fog that %s, rows hold light of all sources in one; %s",
+        "relight: in fog that %s, rows store the light of all sources together; %s",
         uneven ? "scatters unevenly" : "emits light",
         uneven ? "use G = 0 (--fog EXTINCTION,ALBEDO)" : "leave out its emission");
 }

@@ -230,7 +230,8 @@ rsv_status rsv_light_basis_check(const rsv_light *s, const rsv_light_basis *b)
     size_t bytes = bytes_of_parts(s, b);
     if (bytes <= RSV_MAX_PART_BYTES) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "relight: to keep its %zu lights apart takes %.1f GiB, more than the %.0f that there are; "
+        "relight: storing its %zu lights separately takes %.1f GiB, more than the %.0f GiB "
+        "available; "
         "solve with fewer elements (--quality draft, --max-elements), or join lights",
         b->source_count, (double)bytes / 1073741824, (double)RSV_MAX_PART_BYTES / 1073741824);
 }

@@ -188,8 +188,8 @@ void rsv_light_warn_if_unbounded(const rsv_light *s)
     const rsv_solve_report *report = &s->report;
     if (s->pocket_area > 0)
         rsv_log(s->context, RSV_LOG_WARNING,
-            "solve: %.3g m2 of surfaces that absorb nothing enclose pockets which hardly any light "
-            "enters, and are left dark there; lower their albedo below 1",
+            "solve: %.3g m2 of surfaces that absorb nothing enclose pockets that hardly any light "
+            "enters; they stay dark there; lower their albedo below 1",
             s->pocket_area);
     if (report->stop_reason == RSV_STOP_MAX_ORDERS)
         rsv_log(s->context, RSV_LOG_WARNING,
@@ -197,8 +197,8 @@ void rsv_light_warn_if_unbounded(const rsv_light *s)
             report->iterations, report->residual_inf);
     else if (report->stop_reason > RSV_STOP_NO_LIGHT)
         rsv_log(s->context, RSV_LOG_WARNING,
-            "solve: solver %s gave up after %u applications with a residual of %.3g W/m2; leave "
-            "the choice to 'auto'",
+            "solve: solver %s gave up after %u applications with a residual of %.3g W/m2; use "
+            "'auto'",
             rsv_solver_name(report->solver), report->iterations, report->residual_inf);
     else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_RADIUS &&
              report->spectral_radius > WORRYING_RADIUS)

@@ -345,7 +345,7 @@ static rsv_status check(const rsv_light *s)
     if (rsv_context_device(s->context))
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "light can follow moving objects only on the CPU");
     if (!s->field.irradiance || !s->field.indirect)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "light: it is not solved yet, and cannot follow");
+        return rsv_fail(RSV_ERROR_ARGUMENT, "light: solve it before it follows moving objects");
     return RSV_OK;
 }
 

@@ -50,8 +50,8 @@ static rsv_status check(const rsv_scene *scene, const rsv_solve_desc *desc)
 {
     if (desc->checkpoint || desc->earlier)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "update: the settings name a folder (checkpoint or earlier); an update keeps what it "
-            "knows in its store: leave both NULL");
+            "update: the settings name a folder (checkpoint or earlier); an update keeps its "
+            "results in its store: leave both NULL");
     return rsv_check_settings(scene, desc);
 }
 

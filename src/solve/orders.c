@@ -128,8 +128,8 @@ static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
     double compatibility, lost = 1 - a->radius.power;
     if (lost > LOSS_IN_DOUBT)
         return rsv_fail(RSV_ERROR_SCENE,
-            "solve: the scene is closed and absorbs only %.1g of its light per reflection; from %.1g on it can be "
-            "solved; lower an albedo or open the scene",
+            "solve: the scene is closed and absorbs only %.1g of its light per reflection, and a "
+            "solution requires %.1g; lower an albedo or open the scene",
             lost, 1 - RSV_LOSSLESS);
     rsv_status status =
         rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
@@ -498,9 +498,9 @@ static rsv_status solve_from(series *q, rsv_rgb *guess)
     memcpy(q->term, s->field.source, nodes * sizeof *q->term);
     rsv_transport_map_mask(q->map, 1, q->term);
     rsv_transport_map_mask(q->map, 1, guess);
-    const rsv_linear_desc desc = { .solver = solver_to_go_on(s),
-        .absolute = q->target,
-        .max_applications = s->desc.max_orders };
+    const rsv_linear_desc desc = {
+        .solver = solver_to_go_on(s), .absolute = q->target, .max_applications = s->desc.max_orders
+    };
     RSV_TRY(rsv_transport_map_prepare(q->map, desc.solver));
     RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &guess->r, &linear));
     report->iterations = (uint32_t)ceil(linear.applications);
@@ -524,8 +524,8 @@ rsv_status rsv_solve_on(rsv_light *s)
     RSV_TRY(rsv_operator_map(s->op, 1, &q.map));
     s->report.norm_inf = operator_norm(&q);
     q.resolvent = resolvent_of(&s->report);
-    q.target = s->desc.tolerance *
-               rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
+    q.target =
+        s->desc.tolerance * rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
     RSV_TRY(solve_from(&q, s->field.irradiance));
     report_error(&q, q.next);
     rsv_sharpen(s->elements, s->field.indirect, q.term, q.next);

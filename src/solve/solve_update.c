@@ -61,7 +61,8 @@ static void write_down(const rsv_builder *b, const rsv_light *light)
     rsv_rgb *direct = rsv_alloc(b->context, nodes, sizeof *direct);
     if (!direct) {
         rsv_log(b->context, RSV_LOG_WARNING,
-            "%s: no memory to keep what this solution knew; after an edit of the scene everything will be "
+            "%s: no memory to keep the results of this solution; after an edit of the scene "
+            "everything will be "
             "solved again",
             b->update.store->kind);
         return;

@@ -261,7 +261,7 @@ static rsv_status add_krylov(rsv_transport_map *m)
     if (m->krylov) return RSV_OK;
     if (!team)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "solve: solver 'petsc' needs a context with a team, be it of one process");
+            "solve: solver 'petsc' requires a context with a team, which may have one process");
     const rsv_krylov_system system = { .team = team,
         .transport = m->transport,
         .elements = m->elements,

@@ -27,9 +27,10 @@ rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t 
     if (q->terms <= FEW_TERMS)
         solver = RSV_SOLVER_NEUMANN, because = "that is few";
     else if (q->on_device)
-        solver = RSV_SOLVER_BICGSTAB, because = "its steps need nothing from the CPU";
+        solver = RSV_SOLVER_BICGSTAB, because = "its steps run on the device alone";
     else if (q->spectral_radius >= SLOW_RADIUS && q->node_count >= MIN_NODES)
-        solver = RSV_SOLVER_TWO_GRID, because = "steps of two grids do not depend on it";
+        solver = RSV_SOLVER_TWO_GRID, because = "the number of two-grid steps does not depend on "
+                                                "it";
     else if (q->node_count > MANY_NODES)
         solver = RSV_SOLVER_BICGSTAB, because = "so many elements require a method with few fields";
     else

@@ -70,13 +70,13 @@ RSV_INLINE void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool bac
         rsv_medium_enter(medium, material);
 }
 
-/// The innermost body; NULL outside. @param bsdf [material_count]
+/// The innermost body, where the depth is not 0. @param bsdf [material_count]
 ///
-/// Code for devices asks for the depth, not for NULL: ptxas 13.0 tests such a pointer too early on Hopper, and reads through
-/// NULL (CS2R, a predicated write, and ISETP five cycles later).
+/// Its callers ask for the depth, and it returns no NULL: ptxas 13.0 tests such a pointer too early on Hopper, and reads
+/// through NULL (CS2R, a predicated write, and ISETP five cycles later).
 RSV_INLINE const rsv_bsdf *rsv_medium_body(const rsv_medium *medium, const rsv_bsdf *bsdf)
 {
-    return medium->depth ? &bsdf[medium->body[medium->depth - 1]] : NULL;
+    return &bsdf[medium->body[medium->depth - 1]];
 }
 
 /// Of the innermost body; 1 outside. @param bsdf [material_count]

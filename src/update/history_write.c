@@ -173,7 +173,7 @@ void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *light
     int why = write_all(scene, lights, store, settings, spacing, level);
     if (why)
         rsv_log(lights->context, RSV_LOG_WARNING,
-            "%s: cannot keep in '%s' what this solution knew: %s; after an edit of the scene "
+            "%s: cannot save the results of this solution in '%s': %s; after an edit of the scene "
             "everything will be solved again",
             store->kind, store->place, strerror(why));
 }

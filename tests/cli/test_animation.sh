@@ -50,11 +50,11 @@ refuses 1 "has no animation 'rise'" render moving.glb -o "$out/x.exr" "${quick[@
 refuses 1 'holds no animation' render room.glb -o "$out/x.exr" "${quick[@]}" --time 0
 refuses 1 'only glTF files are animated' render cornell-blocks -o "$out/x.exr" "${quick[@]}" --time 0
 refuses 1 'must contain a frame number' render moving.glb -o "$out/x.exr" --frames 0-2
-refuses 2 'clip does nothing without' render moving.glb -o "$out/x.exr" --clip slide
+refuses 2 'clip requires' render moving.glb -o "$out/x.exr" --clip slide
 refuses 2 'exclude each other' render moving.glb -o "$out/x%d.exr" --frames 0-1 --time 3
 refuses 2 "'5-2' is not A-B" render moving.glb -o "$out/x%d.exr" --frames 5-2
 refuses 2 "'-3' is not A-B" render moving.glb -o "$out/x%d.exr" --frames=-3
-refuses 2 'fps does nothing without' render moving.glb -o "$out/x.exr" --fps 3
+refuses 2 'fps requires' render moving.glb -o "$out/x.exr" --fps 3
 refuses 2 'not supported with --frames' render moving.glb -o "$out/x%d.exr" --frames 0-1 --error 3%
 succeeds solve moving.glb -o "$work/moving.safetensors" --quality draft --max-elements 800 --time 0.5
 refuses 1 'for one moment' render moving.safetensors -o "$out/x.exr" --time 0

@@ -30,7 +30,7 @@ done
 for height in 0 -1 x 1,nan 1,2,3; do
     refuses 1 'height' render furnace "${picture[@]}" --mode reference --fog 1 "--fog-height=$height"
 done
-refuses 2 'without --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
+refuses 2 'requires --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
 printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
 for fogless in "render furnace ${picture[*]} --mode occlusion" "render furnace -o $out/a.png --size 32x24 --error 10%"; do
     refuses 1 'fog: .*leave it out' $fogless --fog 1

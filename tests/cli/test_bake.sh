@@ -142,7 +142,7 @@ for axis in x y z; do
     [[ -s map.lightmap-$axis.exr ]] || complain "map.lightmap-$axis.exr is missing"
 done
 for odd in '--to vertex --directional:lightmap' '--to lightmap --unlit:vertex' '--to probes --map-size 64:lightmap' '--to vertex --spacing 1:probes'; do
-    refuses 2 "does nothing without --to ${odd##*:}" bake two-rooms -o "$out/a.glb" ${odd%:*}
+    refuses 2 "requires --to ${odd##*:}" bake two-rooms -o "$out/a.glb" ${odd%:*}
 done
 refuses 1 'no environment to rotate' bake two-rooms -o "$out/a.glb" --to lightmap --basis --env-turns 4
 for key in elements residual_inf warnings peak_rss_bytes; do
@@ -158,8 +158,8 @@ assert operator["receiver.element"]["shape"] == operator["receiver.weight"]["sha
 assert operator["__metadata__"]["receivers"] == basis["__metadata__"]["receivers"] == "texel"
 TEXT
 succeeds info map.operator.safetensors
-refuses 2 'operator goes with --to vertex' bake two-rooms -o "$out/a.json" --to probes --operator
-refuses 2 'go with --to vertex or lightmap' bake two-rooms -o "$out/a.json" --to probes --light-scale 2
+refuses 2 'operator requires --to vertex' bake two-rooms -o "$out/a.json" --to probes --operator
+refuses 2 'require --to vertex or lightmap' bake two-rooms -o "$out/a.json" --to probes --light-scale 2
 # what is clipped is said; shared exponents hold it
 succeeds bake plain.glb -o "$out/clipped.glb" --to lightmap --quality draft --max-elements 300 --map-size 64 --light-scale 0.01 --ktx2
 says '^light scale 0.01 W'

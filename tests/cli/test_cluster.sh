@@ -120,7 +120,7 @@ rm -r rows
 begin "$program" "${long[@]}" --quality high
 kill -INT $launcher
 ends
-[[ $(grep -c "^cancelled; the same command goes on with the rows kept in 'rows'" all) == 1 ]] ||
+[[ $(grep -c "^cancelled; the same command continues with the rows saved in 'rows'" all) == 1 ]] ||
     { cp all stderr; complain "not said once how to go on"; }
 [[ -n $(find rows -name '*.rows' -size +0) ]] || complain "an interrupt takes the rows away"
 

@@ -42,14 +42,14 @@ cmp -s "$out/a.csv" "$out/d.csv" && cmp -s "$out/d.csv" "$out/e.csv" || complain
 rm -f "$out"/*
 "$program" daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/c.csv" 2>log >/dev/null
 grep -q 'no --north' log || complain "says which north is taken"
-grep -q 'leaves out 8757 hours' log || complain "says which hours are missing"
+grep -q '8757 hours of the year are missing' log || complain "says which hours are missing"
 rm -f "$out"/*
 
 refuses 2 'weather' daylight cornell-blocks -o "$out/a.csv"
 refuses 2 '\.html, \.json or \.csv' daylight cornell-blocks "${quick[@]}" -o "$out/a.txt"
 refuses 2 'shaded' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --shade-lux 500
-refuses 2 'as many -o' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
-refuses 2 'not before' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --from 12 --to 9
+refuses 2 'same number of -o' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --weather b.epw
+refuses 2 'must be before' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --from 12 --to 9
 refuses 1 'would overwrite' daylight cornell-blocks "${quick[@]}" -o "$out/a.csv" --hourly a.epw
 weather 2001,6,31,3,60 0,0,0 >bad.epw
 refuses 1 'bad.epw:9: there is no such date' daylight cornell-blocks "${quick[@]:2}" --weather bad.epw -o "$out/a.csv"

@@ -10,7 +10,7 @@ refuses 2 'one of auto, watt, photometric' render box.glb -o "$out/a.png" --ligh
 succeeds solve box.glb -o box.safetensors --quality draft
 refuses 1 'light-units' render box.safetensors -o "$out/a.png" "${tiny[@]}" --light-units watt
 succeeds render furnace -o "$out/a.png" "${tiny[@]}" --light-units watt
-warns 'light-units does nothing'
+warns 'light-units has no effect'
 rm "$out"/*
 
 # ---- sides ----
@@ -95,7 +95,7 @@ succeeds render cornell-blocks -o around.exr --projection equirectangular --qual
 succeeds render cornell-blocks -o twice.exr --projection equirectangular --size 512x256 --quality draft --spp 1
 cmp -s around.exr twice.exr || complain "a picture of all directions is not twice as wide as high"
 refuses 2 'number from' render cornell-blocks -o "$out/a.png" --fstop 0
-refuses 2 'without --fstop' render cornell-blocks -o "$out/a.png" --focus 2
+refuses 2 'requires --fstop' render cornell-blocks -o "$out/a.png" --focus 2
 refuses 1 '--fstop is not supported' render cornell-blocks -o "$out/a.png" --fstop 2 --projection fisheye
 refuses 1 'pinhole' render cornell-blocks -o "$out/a.png" --fstop 2 --mode occlusion
 refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -o "$out/a.png" --projection flat
@@ -103,8 +103,8 @@ refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -
 # ---- what a file holds, and what is wrong with it ----
 succeeds info back.gltf --check
 says 'likely mistakes: 2'
-says "nothing shines"
-says "from behind ('wall'"
+says "there is no light"
+says "single-sided surfaces (mostly 'wall'"
 succeeds info back.gltf --check --json
 grep -q '"kind":[[:space:]]*"no_light"' stdout || complain "the findings lack no_light"
 grep -q '"kind":[[:space:]]*"backs"' stdout || complain "the findings lack backs"

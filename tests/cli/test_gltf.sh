@@ -131,6 +131,6 @@ done
 differ near-0.exr near-2.exr || complain "a light that was added does not shine"
 close near-0.exr far-0.exr
 close near-2.exr far-2.exr
-refuses 1 'no number from -1e9' view near.safetensors --script <(echo '0 add desk 1 2 1e10') --record "$out"
+refuses 1 'not a number from -1e9' view near.safetensors --script <(echo '0 add desk 1 2 1e10') --record "$out"
 
 finish

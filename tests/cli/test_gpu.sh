@@ -69,7 +69,7 @@ grep -q '"name":[[:space:]]*"emulated device"' fig8.json || complain "the JSON d
 
 refuses 1 'device: ' solve cornell-blocks -o no.safetensors "${draft[@]}" --device cuda
 succeeds solve cornell-blocks -o auto.safetensors "${draft[@]}" --device auto
-grep -q 'note: device: .*computing on the processor' stderr || complain "--device auto does not say that there is none"
+grep -q 'note: device: .*computing on the CPU' stderr || complain "--device auto does not say that there is none"
 refuses 2 'device' solve cornell-blocks -o no.safetensors --device tpu
 refuses 1 'device' render furnace -o no.png "${small[@]}" --mode reference --device auto
 

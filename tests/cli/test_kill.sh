@@ -51,7 +51,7 @@ echo "$killed of $kills killed, $helped went on with rows"
 until [[ -n $(find rows -name '*.rows' -size +0 2>/dev/null) ]]; do sleep 0.02; done
 kill -TERM $!
 wait $! && complain "an interrupted run succeeds"
-[[ $(grep -v -e ' %' -e '^warning' stderr) == "cancelled; the same command goes on with the rows kept in 'rows'" ]] ||
+[[ $(grep -v -e ' %' -e '^warning' stderr) == "cancelled; the same command continues with the rows saved in 'rows'" ]] ||
     complain "does not say how to go on"
 [[ -z $(ls -A "$out") ]] || complain "an interrupted run left $(ls -A "$out")"
 refuses 1 "holds no rows of this scene" solve furnace "${quick[@]}" -o "$out/a.safetensors" --checkpoint rows --resume

@@ -42,7 +42,7 @@ says 'UGR *none'
 succeeds render furnace -o candela.exr --projection fisheye --size 200x200 "${draft[@]:0:2}" --max-elements 400 --spp 1 --photometric
 succeeds glare candela.exr --efficacy 1
 says 'DGP *0.240'
-refuses 2 'holds no cd/m2' render furnace -o "$out/f.png" --photometric
+refuses 2 'cannot hold cd/m2' render furnace -o "$out/f.png" --photometric
 cat >view.py <<'PYTHON'
 import sys
 from math import *

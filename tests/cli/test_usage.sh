@@ -42,10 +42,10 @@ refuses 2 'is missing' render furnace
 refuses 2 'one argument too many' render furnace two-rooms -o "$out/a.png"
 refuses 2 'needs a value' render furnace -o
 refuses 2 'needs a value' render furnace -o "$out/a.png" --camera --layers
-refuses 2 'does nothing without --error' render furnace -o "$out/a.png" --max-time 5 --mode operator
-refuses 2 'does nothing without --error' render furnace -o "$out/a.png" --max-time 5 --quality draft
+refuses 2 'requires --error' render furnace -o "$out/a.png" --max-time 5 --mode operator
+refuses 2 'requires --error' render furnace -o "$out/a.png" --max-time 5 --quality draft
 refuses 1 '0.5 % and more' render furnace -o "$out/a.png" --error 0.1%
-refuses 2 'does nothing without --heatmap' certify furnace --size 64x64
+refuses 2 'requires --heatmap' certify furnace --size 64x64
 refuses 1 'solves nothing' render furnace -o "$out/a.png" --mode reference --error 1%
 refuses 1 "'': there is no such file" info ''
 refuses 2 'takes no value' render furnace -o "$out/a.png" --layers=yes

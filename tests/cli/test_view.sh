@@ -84,7 +84,7 @@ wrong '1 ' 'command is missing'
 wrong '1 place 0 0 0 0' 'no object'
 wrong '1 jump' 'jump.*--help'
 wrong '1 orbit 1' 'orbit.*a number more'
-wrong '1 orbit x 1' 'no number'
+wrong '1 orbit x 1' 'not a number'
 wrong '1 quit now' 'too many'
 wrong '1 select light.moon' "no 'light.moon'"
 wrong '1 env-rotate 5' 'no environment'

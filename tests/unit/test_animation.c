@@ -410,9 +410,9 @@ static void what_is_not_played_is_named(void **state)
     } cases[] = {
         { CHANNEL, "\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],",
             "(first: of node 'n') would move nodes that have a matrix" },
-        { CHANNEL "},{" CHANNEL, "", "move what another one moves already" },
+        { CHANNEL "},{" CHANNEL, "", "move something that another channel already moves" },
         { "\"sampler\":0,\"target\":{\"node\":0,\"path\":\"weights\"}", "",
-            "have weights of no morph targets" },
+            "have weights without morph targets" },
         { "\"sampler\":0,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_animation_"
           "pointer\":"
           "{\"pointer\":\"/nodes/0/scale\"}}}",

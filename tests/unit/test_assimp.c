@@ -186,7 +186,7 @@ static void importers_do_not_speak_for_themselves(void **state)
         { "word.obj", "v 0 0 0\nv one 0 0\nv 0 1 0\nf 1 2 3\n", "line 2: a vertex needs three" },
         { "loose.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangle" },
         { "other.dae", "<?xml version=\"1.0\"?><svg></svg>", "holds no scene" },
-        { "text.dae", "this is no XML\nthis is no XML\n", "no well-formed XML" },
+        { "text.dae", "this is no XML\nthis is no XML\n", "not well-formed XML" },
         { "text.fbx", "this is no FBX\nthis is no FBX\n", "near line 1" },
         { "old.fbx",
             "; FBX 6.1.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n "

@@ -299,7 +299,7 @@ static void metals_of_blender_in_collada_are_metals(void **state)
         assert_string_equal(m->name, "paint");
         assert_float_equal(m->metallic, k ? 0 : 0.75, 1e-6);
         assert_float_equal(m->base_color.r, 0.9, 1e-6);
-        assert_mentions(f->log, k ? "reflectivity" : "how rough the metal is");
+        assert_mentions(f->log, k ? "reflectivity" : "the roughness of the metal");
         rsv_scene_destroy(scene);
     }
 }
@@ -393,9 +393,9 @@ static void collada_names_what_is_not_there_or_not_used(void **state)
     rsv_scene_destroy(load(f, "a.dae"));
     assert_mentions(
         f->log, "not used: library_physics_scenes, spline, technique of profile 'OTHER'");
-    assert_int_equal(count_mentions(f->log, "'nowhere', which it does not hold"), 1);
-    assert_int_equal(count_mentions(f->log, "'lens', which it does not hold"), 1);
-    assert_int_equal(count_mentions(f->log, "does not hold"), 2);
+    assert_int_equal(count_mentions(f->log, "'nowhere', which it does not contain"), 1);
+    assert_int_equal(count_mentions(f->log, "'lens', which it does not contain"), 1);
+    assert_int_equal(count_mentions(f->log, "does not contain"), 2);
 }
 
 static void collada_opacity_and_shading_are_as_specified(void **state)

@@ -124,7 +124,7 @@ static void motions_that_make_no_sense_are_refused(void **state)
     far.matrix[12] = 1e20f;
     refuse_motion(&s, other, "object 999");
     refuse_motion(&s, mirror, "mirrored");
-    refuse_motion(&s, flat, "scaled to nothing");
+    refuse_motion(&s, flat, "scaled to zero");
     refuse_motion(&s, nan, "not finite");
     refuse_motion(&s, far, "farther than");
     close_stage(&s);
@@ -387,7 +387,7 @@ static void other_scenes_are_refused(void **state)
     double before = rsv_light_report(light)->mean_irradiance;
     assert_int_equal(rsv_scene_builtin(s.context, "cornell-spheres", &other), RSV_OK);
     assert_int_equal(rsv_light_follow(light, other, NULL), RSV_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(rsv_last_error(), "solve it again"));
+    assert_non_null(strstr(rsv_last_error(), "solve the scene again"));
     assert_true(rsv_light_report(light)->mean_irradiance == before);
     assert_int_equal(rsv_light_follow(light, s.scene, NULL), RSV_OK); // it goes on
     rsv_scene_destroy(other);

@@ -137,7 +137,8 @@ static void broken_data_uris_are_refused_in_our_words(void **state)
     static const struct {
         const char *uri, *message;
     } cases[] = {
-        { "data:application/octet-stream;base64,AAAA!AAA", "buffer 0: its data URI holds what is" },
+        { "data:application/octet-stream;base64,AAAA!AAA",
+            "buffer 0: its data URI is not valid base64" },
         { "data:application/octet-stream;base64", "buffer 0: its data URI has no comma" },
         { "https://example.org/AAAAAAAAAAAA.bin",
             "buffer 0: there is no file 'https://example.org" },
@@ -250,8 +251,8 @@ static void other_versions_are_named(void **state)
         { "\"asset\":{\"version\":\"2.9\",\"minVersion\":\"2.1\"}", "needs a reader of glTF 2.1",
             RSV_ERROR_UNSUPPORTED },
         { "\"asset\":{\"version\":\"3.0\",\"minVersion\":\"2.0\"}", NULL, RSV_OK },
-        { "\"asset\":{}", "names no asset.version", RSV_ERROR_FORMAT },
-        { "\"meshes\":{\"m\":{}}", "names no asset.version", RSV_ERROR_FORMAT },
+        { "\"asset\":{}", "has no asset.version", RSV_ERROR_FORMAT },
+        { "\"meshes\":{\"m\":{}}", "has no asset.version", RSV_ERROR_FORMAT },
         { "\"asset\":{\"version\":\"2.1\"}", NULL, RSV_OK },
         { "\"asset\":{\"version\":\"2.1\",\"minVersion\":\"2.0\"}", NULL, RSV_OK },
         { "\"asset\":{\"version\":2.0}", NULL, RSV_OK },

@@ -204,11 +204,14 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
         const char *primitive, *rest, *told;
         size_t lights;
     } cases[] = {
-        { "", LAMP("\"type\":\"point\",\"intensity\":-5"), "light 'l': it takes light away", 0 },
+        { "", LAMP("\"type\":\"point\",\"intensity\":-5"),
+            "light 'l': its intensity is "
+            "negative",
+            0 },
         { "", LAMP("\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}"),
-            "light 'l': its cone is not in the format", 1 },
+            "light 'l': its cone is outside the format's range", 1 },
         { "", LAMP("\"type\":\"spot\",\"spot\":{\"outerConeAngle\":2}"),
-            "light 'l': its cone is not in the format", 1 },
+            "light 'l': its cone is outside the format's range", 1 },
         { "", LAMP("\"type\":\"spot\",\"spot\":{\"innerConeAngle\":0.5,\"outerConeAngle\":0.5}"),
             "", 1 },
         { "", LAMP("\"intensity\":5"), "light 'l': its type '' is not in the format", 0 },
@@ -218,7 +221,7 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
             "\"mesh\":0},{\"name\":\"n\",\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":"
             "{"
             "\"light\":0}}}]",
-            "node 'n': its light is left out: its transform leaves it no direction", 0 },
+            "node 'n': its light is left out: its transform makes its direction zero", 0 },
         { "", CAMERA("\"type\":\"perspective\",\"perspective\":{\"yfov\":0}", ""),
             "node 'n': its camera is left out: its lens", 0 },
         { "", CAMERA("\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":0}", ""),
@@ -231,7 +234,7 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
             "\"nodes\":[{\"name\":\"n\",\"mesh\":0,\"translation\":[1,2,3],\"matrix\":[1,0,0,0,0,1,"
             "0,0,"
             "0,0,1,0,0,0,0,1]}]",
-            "node 'n': translation, rotation and scale are ignored beside a matrix", 0 },
+            "node 'n': translation, rotation and scale are ignored next to a matrix", 0 },
         { "",
             "\"nodes\":[{\"name\":\"n\",\"mesh\":0,\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,2]}"
             "]",

@@ -454,8 +454,8 @@ static void foreign_files_are_refused(void **state)
     check_header_refused(&s, "{\"w\":{\"dtype\":\"F32\",\"shape\":[2,2],\"data_offsets\":[0,16]}}",
         "not an operator");
     check_header_refused(&s, "{}", "16 follow");
-    check_header_refused(&s, "[1, 2]", "no JSON object");
-    check_header_refused(&s, "{\"w\":", "no JSON object");
+    check_header_refused(&s, "[1, 2]", "not a JSON object");
+    check_header_refused(&s, "{\"w\":", "not a JSON object");
     check_header_refused(
         &s, "{\"w\":{\"dtype\":\"F64\",\"shape\":[2],\"data_offsets\":[0,16]}}", "'w'");
     check_header_refused(

@@ -90,7 +90,7 @@ static void what_is_taken_out_is_told(void **state)
     assert_true(fabs(view->origin[0] + (double)view->light[0].position.x - 448262.37) < 1e-5);
     assert_true(fabs(view->origin[1] + (double)view->light[0].position.y - 56.5) < 1e-5);
     assert_true(fabs(view->origin[2] + (double)view->camera[0].position.z - 5411936.8) < 1e-5);
-    assert_mentions(((fixture *)*state)->log, "(448300, 100, 5411900) m is taken out");
+    assert_mentions(((fixture *)*state)->log, "(448300, 100, 5411900) m is subtracted");
     rsv_scene_destroy(scene);
     remove_folder(place.path);
 }
@@ -259,7 +259,7 @@ static void coarse_vertices_are_told(void **state)
         write_sketch(&place, &s,
             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"scenes\":[{"
             "\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]"));
-    assert_mentions(((fixture *)*state)->log, "in single precision, which tells them apart by");
+    assert_mentions(((fixture *)*state)->log, "in single precision, which resolves");
     rsv_scene_destroy(scene);
     remove_folder(place.path);
 }

@@ -538,8 +538,8 @@ static void lying_claims_are_refused(void **state)
         claims claims;
         const char *mentioned;
     } cases[] = {
-        { { 2000000000, 12, 6, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "cannot come out of" },
-        { { 4, 12, 2000000001, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "cannot come out of" },
+        { { 2000000000, 12, 6, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "do not fit in" },
+        { { 4, 12, 2000000001, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "do not fit in" },
         { { 4, 13, 6, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "byteStride" },
         { { 4, 0, 6, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "byteStride" },
         { { 4, 260, 6, 2, "ATTRIBUTES", "TRIANGLES", "NONE", 0 }, "byteStride" },

@@ -102,8 +102,8 @@ static bool read_arguments(
             memcpy(command->text, token, sizeof token);
         else if (!read_number(token, most, &command->exact[numbers]))
             return complain(problem,
-                most > 1e6 ? "'%s': '%.60s' is no number from -1e9 to 1e9"
-                           : "'%s': '%.60s' is no number from -1e6 to 1e6",
+                most > 1e6 ? "'%s': '%.60s' is not a number from -1e9 to 1e9"
+                           : "'%s': '%.60s' is not a number from -1e6 to 1e6",
                 known->name, token);
         else
             numbers++;

@@ -282,7 +282,7 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
     if (s->added_count == CLI_VIEW_MOST_ADDED || strlen(c->text) >= CLI_VIEW_NAME_LENGTH)
         return cli_view_fail(problem, "there is no room for one more light '%.60s'", c->text);
     if (cli_view_find_item(s, name) < s->item_count)
-        return cli_view_fail(problem, "there is a '%.100s' already", name);
+        return cli_view_fail(problem, "'%.100s' already exists", name);
     const double *from = s->scene->origin; // numbers are those of the scene's file
     char *own = s->added_name[s->added_count++];
     memcpy(own, c->text, strlen(c->text) + 1);

@@ -155,7 +155,7 @@ static bool set_mode(cli_view_state *s, const char *name, char *problem)
             s->mode = (cli_view_mode)k;
             return true;
         }
-    return cli_view_fail(problem, "'%.60s' is no mode", name);
+    return cli_view_fail(problem, "'%.60s' is not a mode", name);
 }
 
 /// All, emission, direct, 1, 2, ... as one ring.
@@ -186,7 +186,7 @@ static bool set_tone(cli_view_state *s, const char *name, char *problem)
 {
     bool next = strcmp(name, "next") == 0, soft = strcmp(name, "soft") == 0;
     if (!next && !soft && strcmp(name, "clip") != 0)
-        return cli_view_fail(problem, "'%.60s' is no tone curve", name);
+        return cli_view_fail(problem, "'%.60s' is not a tone curve", name);
     s->soft = next ? !s->soft : soft;
     return true;
 }
@@ -198,7 +198,11 @@ static bool toggle(cli_view_state *s, const char *name, char *problem)
                  : strcmp(name, "stereo") == 0  ? &s->stereo
                  : strcmp(name, "markers") == 0 ? &s->markers
                                                 : NULL;
-    if (!flag) return cli_view_fail(problem, "'%.60s' is nothing to show", name);
+    if (!flag)
+        return cli_view_fail(problem,
+            "'%.60s' cannot be shown; use hud, help, stereo or "
+            "markers",
+            name);
     *flag = !*flag;
     return true;
 }
