@@ -140,8 +140,9 @@ static bool on_progress(void *user, const char *phase, double fraction)
 static bool count_bytes(cli_session *session, size_t bytes)
 {
     if (!session->opens_scene || !session->max_bytes) return true;
-    if (atomic_fetch_add(&session->opened_bytes, bytes) + bytes <= session->max_bytes) return true;
-    atomic_fetch_sub(&session->opened_bytes, bytes);
+    long long taken = atomic_fetch_add(&session->opened_bytes, (long long)bytes) + (long long)bytes;
+    if (taken <= (long long)session->max_bytes) return true;
+    atomic_fetch_sub(&session->opened_bytes, (long long)bytes);
     session->is_too_large = true;
     return false;
 }
@@ -160,7 +161,7 @@ static void release(void *user, void *memory)
 {
     cli_session *session = user;
     if (session->opens_scene && memory)
-        atomic_fetch_sub(&session->opened_bytes, malloc_usable_size(memory));
+        atomic_fetch_sub(&session->opened_bytes, (long long)malloc_usable_size(memory));
     free(memory);
 }
 

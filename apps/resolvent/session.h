@@ -47,15 +47,15 @@ typedef struct cli_session {
     cli_reading reading;
     rsv_load_luminaire luminaire[CLI_LIST_CAPACITY]; ///< of the reading; names are owned
     size_t luminaire_count;
-    bool keep_document;         ///< scenes are to keep the glTF file that they come from
-    const char *checkpoint;     ///< folder that an interrupted run leaves rows in; NULL = none
-    double started;             ///< cli_seconds()
-    atomic_ullong allocations;  ///< of the context so far
-    double time_load;           ///< seconds spent in cli_open_scene
-    size_t max_bytes;           ///< of --max-memory; 0 = none was given
-    bool opens_scene;           ///< a scene is being opened: it may take max_bytes
-    atomic_size_t opened_bytes; ///< taken since
-    atomic_bool is_too_large;   ///< it asked for more
+    bool keep_document;        ///< scenes are to keep the glTF file that they come from
+    const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
+    double started;            ///< cli_seconds()
+    atomic_ullong allocations; ///< of the context so far
+    double time_load;          ///< seconds spent in cli_open_scene
+    size_t max_bytes;          ///< of --max-memory; 0 = none was given
+    bool opens_scene;          ///< a scene is being opened: it may take max_bytes
+    atomic_llong opened_bytes; ///< taken since, less what was given back
+    atomic_bool is_too_large;  ///< it asked for more
     /// Takes progress in place of the bar, from any thread, and says whether to go on; NULL = none
     bool (*watch)(void *user, const char *phase, double fraction);
     void *watch_user;

@@ -34,23 +34,14 @@ rsv_status rsv_scene_copy_twins(rsv_scene *variant)
     own->tree.face =
         copy_bytes(context, from->tree.face, from->tree.face_count * sizeof *from->tree.face);
     own->flags = copy_bytes(context, from->flags, variant->triangle_count);
-    own->first_rival = own->rival = NULL;
-    if (from->first_rival) {
-        size_t count = variant->triangle_count;
-        own->first_rival =
-            copy_bytes(context, from->first_rival, (count + 1) * sizeof *own->first_rival);
-        own->rival =
-            copy_bytes(context, from->rival, (from->first_rival[count] + 1) * sizeof *own->rival);
-    }
+    own->first_rival = own->rival = NULL; // they do not hold once triangles have moved
     own->twins.node = own->tree.node;
     own->twins.face = own->tree.face;
     own->twins.flags = own->flags;
-    own->twins.first_rival = own->first_rival;
-    own->twins.rival = own->rival;
+    own->twins.first_rival = own->twins.rival = NULL;
     variant->twins = own;
     variant->view.twins = &own->twins;
-    bool listed = !from->first_rival || (own->first_rival && own->rival);
-    bool complete = own->tree.node && own->tree.face && own->flags && listed;
+    bool complete = own->tree.node && own->tree.face && own->flags;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
@@ -84,7 +75,7 @@ typedef struct met_face {
     uint32_t triangle;
     rsv_vec3 normal; ///< unit
     rsv_twin_node box;
-    float rounding, reach; ///< see rsv_twin_reach
+    rsv_twin_margin margin;
 } met_face;
 
 static bool vertex_moved(const move *m, uint32_t vertex)
@@ -111,8 +102,7 @@ static met_face face_of(const move *m, uint32_t triangle)
     const uint32_t *corner = view->triangle[triangle];
     rsv_twin_plane plane = rsv_twin_plane_of(view, triangle);
     met_face f = { .triangle = triangle, .box = box_of(m, triangle) };
-    f.rounding = rsv_twin_rounding(&plane, m->rounding);
-    f.reach = rsv_twin_reach(&plane, f.rounding, m->reach);
+    f.margin = rsv_twin_margin_of(&plane, m->rounding, m->reach);
     rsv_triangle_normal(
         view->position[corner[0]], view->position[corner[1]], view->position[corner[2]], &f.normal);
     return f;
@@ -130,22 +120,14 @@ static void meet(move *m, const met_face *f, uint32_t triangle)
     const rsv_scene_view *view = &m->scene->view;
     met_face other = face_of(m, triangle);
     rsv_twin_overlap overlap;
-    float rounding = f_max(f->rounding, other.rounding);
-    float reach = f_max(f_min(f->reach, other.reach), rounding);
+    rsv_twin_margin margin = rsv_twin_margin_between(f->margin, other.margin);
     if (triangle == f->triangle || fabsf(v3_dot(f->normal, other.normal)) < RSV_TWIN_PARALLEL ||
         !rsv_twins_overlap(view, (rsv_twin_face){ f->triangle, f->normal },
-            (rsv_twin_face){ triangle, other.normal }, reach, &overlap))
+            (rsv_twin_face){ triangle, other.normal }, margin.reach, &overlap))
         return;
     flag(m, f->triangle, rsv_twin_flags(view, f->triangle, overlap.opposite));
     flag(m, triangle, rsv_twin_flags(view, triangle, overlap.opposite));
-    if (overlap.gap > 0.25 * (double)rounding) m->apart = true;
-}
-
-static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
-{
-    return a->low.x <= b->high.x + reach && b->low.x <= a->high.x + reach &&
-           a->low.y <= b->high.y + reach && b->low.y <= a->high.y + reach &&
-           a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
+    if (overlap.gap > 0.25 * (double)margin.rounding) m->apart = true;
 }
 
 /// Compares a triangle with those around it that moved.
@@ -156,7 +138,7 @@ static void look_around(move *m, uint32_t triangle)
     uint32_t looks = 0;
     for (uint32_t n = 0; n < tree->node_count && looks < MOST_LOOKS;) {
         const rsv_twin_node *node = &tree->node[n];
-        bool meets = boxes_meet(&f.box, node, m->reach + m->rounding);
+        bool meets = rsv_twin_boxes_meet(&f.box, node, m->reach + m->rounding);
         if (meets && node->next == n + 1)
             for (uint32_t k = node->first; k < node[1].first; k++, looks++)
                 meet(m, &f, tree->face[k]);
@@ -173,10 +155,11 @@ static void look_around_runs(void *data, rsv_span span)
     const rsv_twin_node *moved = &m->moved.node[0];
     float reach = m->reach + m->rounding;
     for (size_t r = span.begin; r < span.end; r++) {
-        if (!m->run_moved[r] && !boxes_meet(&m->scene->twins->run[r], moved, reach)) continue;
+        if (!m->run_moved[r] && !rsv_twin_boxes_meet(&m->scene->twins->run[r], moved, reach))
+            continue;
         for (size_t t = RUN * r; t < RUN * (r + 1) && t < m->scene->triangle_count; t++) {
             rsv_twin_node box = box_of(m, (uint32_t)t);
-            if (boxes_meet(&box, moved, reach)) look_around(m, (uint32_t)t);
+            if (rsv_twin_boxes_meet(&box, moved, reach)) look_around(m, (uint32_t)t);
         }
     }
 }
@@ -224,17 +207,6 @@ static const rsv_vec3 *home_of(const rsv_scene *scene)
     return scene->position;
 }
 
-/// The lists of rivals do not hold once triangles have moved.
-static void forget_rivals(rsv_scene *scene)
-{
-    rsv_twins_owner *owner = scene->twins;
-    if (!owner) return;
-    rsv_free(scene->context, owner->first_rival);
-    rsv_free(scene->context, owner->rival);
-    owner->first_rival = owner->rival = NULL;
-    owner->twins.first_rival = owner->twins.rival = NULL;
-}
-
 /// Lists the triangles that moved, and marks their runs. @param face [triangle_count] out @return their number
 static uint32_t list_moved(const move *m, uint32_t *face)
 {
@@ -276,7 +248,6 @@ rsv_status rsv_scene_move_twins(rsv_scene *scene)
     rsv_status status;
     move m = { .scene = scene, .home = home_of(scene) };
     if (!scene->owns_positions) return RSV_OK;
-    forget_rivals(scene);
     RSV_TRY(prepare(scene, &m));
     rsv_twins_owner *owner = scene->twins;
     if (scene->view.twins) rsv_twin_tree_fit(&scene->view, &owner->tree);

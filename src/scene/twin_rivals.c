@@ -17,8 +17,9 @@
 /// Places of a triangle that hits may be at well inside it: a smaller triangle.
 typedef struct inner_part {
     uint32_t triangle;
-    rsv_vec3 corner[3], low, high, normal;
-    float rounding, reach; ///< of the triangle
+    rsv_vec3 corner[3], normal;
+    rsv_twin_node box;
+    rsv_twin_margin margin; ///< of the triangle
 } inner_part;
 
 static inner_part inner_part_of(const rsv_scene_view *view, uint32_t triangle)
@@ -30,18 +31,10 @@ static inner_part inner_part_of(const rsv_scene_view *view, uint32_t triangle)
     a.corner[0] = rsv_twin_point(&plane, RSV_TWIN_INSET, RSV_TWIN_INSET);
     a.corner[1] = rsv_twin_point(&plane, far, RSV_TWIN_INSET);
     a.corner[2] = rsv_twin_point(&plane, RSV_TWIN_INSET, far);
-    a.low = v3_min(v3_min(a.corner[0], a.corner[1]), a.corner[2]);
-    a.high = v3_max(v3_max(a.corner[0], a.corner[1]), a.corner[2]);
-    a.rounding = rsv_twin_rounding(&plane, twins->rounding);
-    a.reach = rsv_twin_reach(&plane, a.rounding, twins->reach);
+    a.box.low = v3_min(v3_min(a.corner[0], a.corner[1]), a.corner[2]);
+    a.box.high = v3_max(v3_max(a.corner[0], a.corner[1]), a.corner[2]);
+    a.margin = rsv_twin_margin_of(&plane, twins->rounding, twins->reach);
     return a;
-}
-
-static bool misses(const rsv_twin_node *node, const inner_part *a, float reach)
-{
-    return a->high.x < node->low.x - reach || a->low.x > node->high.x + reach ||
-           a->high.y < node->low.y - reach || a->low.y > node->high.y + reach ||
-           a->high.z < node->low.z - reach || a->low.z > node->high.z + reach;
 }
 
 /// A dot product in double: a small face may be seen from far corners of a large one.
@@ -69,10 +62,11 @@ static bool is_clear_of(const rsv_scene_view *view, const inner_part *a, uint32_
 {
     const rsv_twins *twins = view->twins;
     rsv_twin_plane p = rsv_twin_plane_of(view, face);
-    float length = v3_length(p.normal), own = rsv_twin_rounding(&p, twins->rounding);
-    double rounding = f_max(own, a->rounding);
-    double reach = f_max(f_min(rsv_twin_reach(&p, own, twins->reach), a->reach), (float)rounding);
-    double fall = WIDER * rounding * p.scale / length, square = dot(p.normal, p.normal);
+    rsv_twin_margin margin = rsv_twin_margin_of(&p, twins->rounding, twins->reach);
+    margin = rsv_twin_margin_between(margin, a->margin);
+    float length = v3_length(p.normal);
+    double square = dot(p.normal, p.normal);
+    double fall = WIDER * (double)margin.rounding * p.scale / length;
     double height[3], u[3], v[3], w[3];
     if (!(length > LEAST_NORMAL)) return false;
     for (int k = 0; k < 3; k++) {
@@ -82,7 +76,7 @@ static bool is_clear_of(const rsv_scene_view *view, const inner_part *a, uint32_
         v[k] = dot(v3_cross(p.normal, p.edge1), to) / square;
         w[k] = 1 - u[k] - v[k];
     }
-    return are_beyond(height, WIDER * reach * p.scale) ||
+    return are_beyond(height, WIDER * (double)margin.reach * p.scale) ||
            are_below(u, -fall * v3_length(p.edge2)) || are_below(v, -fall * v3_length(p.edge1)) ||
            are_below(w, -fall * v3_length(v3_sub(p.edge2, p.edge1)));
 }
@@ -97,15 +91,15 @@ static uint32_t find_rivals(const rsv_scene_view *view, uint32_t triangle, uint3
     bool lists = v3_length(a.normal) > LEAST_NORMAL;
     for (uint32_t n = 0; lists && n < twins->node_count;) {
         const rsv_twin_node *node = &twins->node[n];
-        bool missed = misses(node, &a, reach);
-        uint32_t end = !missed && node->next == n + 1 ? node[1].first : node->first;
+        bool near = rsv_twin_boxes_meet(node, &a.box, reach);
+        uint32_t end = near && node->next == n + 1 ? node[1].first : node->first;
         for (uint32_t k = node->first; lists && k < end; k++) {
             uint32_t face = twins->face[k];
             bool meets = face != triangle && !is_clear_of(view, &a, face);
             lists = ++looks <= MOST_LOOKS && !(meets && count == RSV_TWIN_RIVALS);
             if (meets && lists) rival[count++] = face;
         }
-        n = missed ? node->next : n + 1;
+        n = near ? n + 1 : node->next;
     }
     if (lists) return count;
     rival[0] = RSV_NONE;

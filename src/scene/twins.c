@@ -65,16 +65,10 @@ uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool oppo
                      (opposite ? RSV_TWIN_OPPOSITE : 0));
 }
 
-/// How far a face reaches (rsv_twin_reach), and by how much its corners are rounded.
-typedef struct face_reach {
-    float reach, rounding;
-} face_reach;
-
-static face_reach reach_of(const finder *f, uint32_t triangle)
+static rsv_twin_margin margin_of(const finder *f, uint32_t triangle)
 {
     rsv_twin_plane plane = rsv_twin_plane_of(f->view, triangle);
-    float rounding = rsv_twin_rounding(&plane, f->rounding);
-    return (face_reach){ rsv_twin_reach(&plane, rounding, f->reach), rounding };
+    return rsv_twin_margin_of(&plane, f->rounding, f->reach);
 }
 
 static rsv_vec3 normal_of(const rsv_scene_view *view, uint32_t triangle)
@@ -93,21 +87,13 @@ static void compare(const finder *f, leaf_search *s, uint32_t own, uint32_t othe
     const rsv_twin_face face_a = { s->box[own].triangle, s->normal[own] };
     const rsv_twin_face face_b = { other, normal_of(f->view, other) };
     if (fabsf(v3_dot(face_a.normal, face_b.normal)) < RSV_TWIN_PARALLEL) return;
-    face_reach of_a = reach_of(f, face_a.triangle), of_b = reach_of(f, other);
-    float rounding = f_max(of_a.rounding, of_b.rounding);
-    float reach = f_max(f_min(of_a.reach, of_b.reach), rounding);
-    if (!rsv_twins_overlap(f->view, face_a, face_b, reach, &overlap)) return;
+    rsv_twin_margin margin =
+        rsv_twin_margin_between(margin_of(f, face_a.triangle), margin_of(f, other));
+    if (!rsv_twins_overlap(f->view, face_a, face_b, margin.reach, &overlap)) return;
     flag(f, face_a.triangle, rsv_twin_flags(f->view, face_a.triangle, overlap.opposite));
     flag(f, face_b.triangle, rsv_twin_flags(f->view, face_b.triangle, overlap.opposite));
     s->found++;
-    s->apart |= overlap.gap > 0.25 * (double)rounding;
-}
-
-static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
-{
-    return a->low.x <= b->high.x + reach && b->low.x <= a->high.x + reach &&
-           a->low.y <= b->high.y + reach && b->low.y <= a->high.y + reach &&
-           a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
+    s->apart |= overlap.gap > 0.25 * (double)margin.rounding;
 }
 
 /// Parts of an axis that both boxes span.
@@ -156,7 +142,7 @@ static bool may_lie_in(const finder *f, const leaf_search *s, uint32_t k, const 
 {
     const face_box *box = &s->box[k];
     const rsv_twin_node own = { .low = box->low, .high = box->high };
-    if (!boxes_meet(&own, node, f->reach)) return false;
+    if (!rsv_twin_boxes_meet(&own, node, f->reach)) return false;
     rsv_vec3 to = v3_sub(node->low, f->view->position[f->view->triangle[box->triangle][0]]);
     rsv_vec3 size = v3_sub(node->high, node->low), n = s->normal[k];
     float near =
@@ -170,7 +156,7 @@ static bool may_lie_in(const finder *f, const leaf_search *s, uint32_t k, const 
 static bool leaf_meets(
     const finder *f, const leaf_search *s, const rsv_twin_node *leaf, const rsv_twin_node *node)
 {
-    if (!boxes_meet(leaf, node, f->reach)) return false;
+    if (!rsv_twin_boxes_meet(leaf, node, f->reach)) return false;
     for (uint32_t k = 0; k < leaf[1].first - leaf->first; k++)
         if (may_lie_in(f, s, k, node)) return true;
     return false;
@@ -279,9 +265,9 @@ typedef struct reach_job {
 static void find_reach(void *data, rsv_span span)
 {
     reach_job *job = data;
-    face_reach most = { 0, 0 };
+    rsv_twin_margin most = { 0, 0 };
     for (size_t k = span.begin; k < span.end; k++) {
-        face_reach own = reach_of(job->finder, job->finder->tree.face[k]);
+        rsv_twin_margin own = margin_of(job->finder, job->finder->tree.face[k]);
         most.reach = f_max(most.reach, own.reach);
         most.rounding = f_max(most.rounding, own.rounding);
     }

@@ -125,6 +125,29 @@ RSV_INLINE float rsv_twin_reach(const rsv_twin_plane *p, float rounding, float m
     return f_min(most, f_max(0x1p-10f / p->scale, 4 * rounding));
 }
 
+/// How far from a triangle places still count as on it, metres: rsv_twin_rounding and rsv_twin_reach.
+typedef struct rsv_twin_margin {
+    float rounding, reach;
+} rsv_twin_margin;
+
+/// @param rounding, reach most of any triangle
+RSV_INLINE rsv_twin_margin rsv_twin_margin_of(const rsv_twin_plane *p, float rounding, float reach)
+{
+    rsv_twin_margin m;
+    m.rounding = rsv_twin_rounding(p, rounding);
+    m.reach = rsv_twin_reach(p, m.rounding, reach);
+    return m;
+}
+
+/// How far two triangles may lie apart that are in the same place.
+RSV_INLINE rsv_twin_margin rsv_twin_margin_between(rsv_twin_margin a, rsv_twin_margin b)
+{
+    rsv_twin_margin m;
+    m.rounding = f_max(a.rounding, b.rounding);
+    m.reach = f_max(f_min(a.reach, b.reach), m.rounding);
+    return m;
+}
+
 RSV_INLINE rsv_vec3 rsv_twin_point(const rsv_twin_plane *p, float u, float v)
 {
     return v3_mad(p->corner, 1 / p->scale, v3_mad(v3_scale(p->edge1, u), v, p->edge2));
@@ -169,6 +192,13 @@ RSV_INLINE bool rsv_twin_covers(
     return near & within;
 }
 
+RSV_INLINE bool rsv_twin_boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
+{
+    return a->low.x <= b->high.x + reach && b->low.x <= a->high.x + reach &&
+           a->low.y <= b->high.y + reach && b->low.y <= a->high.y + reach &&
+           a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
+}
+
 RSV_INLINE bool rsv_twin_misses(const rsv_twin_node *node, rsv_vec3 point, float reach)
 {
     return point.x < node->low.x - reach || point.x > node->high.x + reach ||
@@ -180,7 +210,7 @@ RSV_INLINE bool rsv_twin_misses(const rsv_twin_node *node, rsv_vec3 point, float
 typedef struct rsv_twin_search {
     rsv_vec3 point, direction; ///< of the ray
     rsv_vec3 normal;           ///< of the face that was met
-    float rounding, reach;     ///< of that face
+    rsv_twin_margin margin;    ///< of that face
     uint32_t met, rank;
     uint32_t found; ///< faces there
     bool opposite;  ///< whether one of them turns the other way than the one that was met
@@ -192,9 +222,10 @@ RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv
     const rsv_twins *twins = scene->twins;
     rsv_twin_plane plane = rsv_twin_plane_of(scene, triangle);
     bool opposite = v3_dot(plane.normal, s->normal) < 0;
-    float own = rsv_twin_rounding(&plane, twins->rounding), rounding = f_max(own, s->rounding);
-    float reach = f_max(f_min(rsv_twin_reach(&plane, own, twins->reach), s->reach), rounding);
-    rsv_twin_limits limits = rsv_twin_limits_of(&plane, opposite ? reach : rounding, rounding);
+    rsv_twin_margin m = rsv_twin_margin_of(&plane, twins->rounding, twins->reach);
+    m = rsv_twin_margin_between(m, s->margin);
+    rsv_twin_limits limits =
+        rsv_twin_limits_of(&plane, opposite ? m.reach : m.rounding, m.rounding);
     float u, v;
     if (triangle == s->met || !rsv_twin_covers(&plane, &limits, s->point, &u, &v)) return;
     if (rsv_is_cut_out(scene, triangle, u, v)) return;
@@ -230,8 +261,7 @@ RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction
     s.point = rsv_twin_point(&plane, hit->u, hit->v);
     s.direction = direction;
     s.normal = plane.normal;
-    s.rounding = rsv_twin_rounding(&plane, twins->rounding);
-    s.reach = rsv_twin_reach(&plane, s.rounding, twins->reach);
+    s.margin = rsv_twin_margin_of(&plane, twins->rounding, twins->reach);
     s.met = hit->triangle;
     s.rank = rsv_twin_rank(scene, hit->triangle, v3_dot(plane.normal, direction) > 0);
     s.found = 0;
@@ -279,8 +309,7 @@ RSV_INLINE float rsv_twins_extent(const rsv_scene_view *scene, uint32_t triangle
     const rsv_twins *twins = scene->twins;
     if (!twins || !twins->flags[triangle] || twins->extent == 0) return 0;
     rsv_twin_plane plane = rsv_twin_plane_of(scene, triangle);
-    float rounding = rsv_twin_rounding(&plane, twins->rounding);
-    return twins->extent * rsv_twin_reach(&plane, rounding, twins->reach);
+    return twins->extent * rsv_twin_margin_of(&plane, twins->rounding, twins->reach).reach;
 }
 
 /// Whether others hide all of a triangle, or all of its back.

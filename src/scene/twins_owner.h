@@ -12,7 +12,7 @@ typedef struct rsv_twins_owner {
     rsv_twins twins; ///< the view's, once there are any
     rsv_twin_tree tree;
     uint8_t *flags;                ///< [triangle_count]
-    uint32_t *first_rival, *rival; ///< see rsv_twins; NULL once triangles have moved
+    uint32_t *first_rival, *rival; ///< see rsv_twins; NULL = of a variant whose triangles move
     rsv_twin_node *
         run; ///< of a variant: boxes around runs of triangles where they were at first; NULL = not yet moved
 } rsv_twins_owner;

@@ -53,17 +53,15 @@ RSV_INLINE void rsv_twin_rival_of(
 {
     const rsv_twins *twins = scene->twins;
     rsv_twin_plane b = rsv_twin_plane_of(scene, triangle);
-    float own_a = rsv_twin_rounding(a, twins->rounding);
-    float own_b = rsv_twin_rounding(&b, twins->rounding);
-    float reach_a = rsv_twin_reach(a, own_a, twins->reach);
-    float reach_b = rsv_twin_reach(&b, own_b, twins->reach);
-    float rounding = f_max(own_a, own_b), reach = f_max(f_min(reach_b, reach_a), rounding);
+    rsv_twin_margin margin =
+        rsv_twin_margin_between(rsv_twin_margin_of(a, twins->rounding, twins->reach),
+            rsv_twin_margin_of(&b, twins->rounding, twins->reach));
     bool opposite = v3_dot(b.normal, a->normal) < 0;
     to->triangle = triangle;
     to->rank[0] = rsv_twin_rank(scene, triangle, false);
     to->rank[1] = rsv_twin_rank(scene, triangle, true);
     to->plane = b;
-    to->limits = rsv_twin_limits_of(&b, opposite ? reach : rounding, rounding);
+    to->limits = rsv_twin_limits_of(&b, opposite ? margin.reach : margin.rounding, margin.rounding);
 }
 
 RSV_INLINE void rsv_twin_group_of(const rsv_scene_view *scene, uint32_t met, rsv_twin_group *g)
