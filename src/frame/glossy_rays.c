@@ -354,7 +354,9 @@ static float share_shown(
         albedo = f_max(albedo, tile->albedo[k][pixel]);
         even += tile->even[k][pixel];
     }
-    float light = c->kept_before.r[cell] + c->kept_before.g[cell] + c->kept_before.b[cell];
+    float light = 0;
+    if (c->before.depth[cell] > 0) // empty cells hold anything
+        light = c->kept_before.r[cell] + c->kept_before.g[cell] + c->kept_before.b[cell];
     return even > 0 ? f_min(albedo * f_max(light / even, 1), 1) : 1;
 }
 

@@ -413,6 +413,60 @@ static void reused_light_is_the_same_however_it_is_computed(void **state)
     }
 }
 
+/// Small varnished balls before a sky: cells at their edges come and go from frame to frame.
+static world *varnished_world(int threads)
+{
+    world *w = world_begin(threads);
+    rsv_material varnish = lambert_material(0.6f, 0);
+    varnish.specular = 1;
+    varnish.roughness = 0.32f;
+    uint32_t material = world_material(w, varnish);
+    world_quad(w, material, v3(-3, -1, 3), v3(3, -1, 3), v3(3, -1, -3), v3(-3, -1, -3));
+    world_quad(w, world_lambert(w, 0, 5), v3(-1, 2, -1), v3(1, 2, -1), v3(1, 2, 1), v3(-1, 2, 1));
+    for (int k = 0; k < 49; k++)
+        world_sphere(w, material,
+            v3(-1.2f + 0.4f * (float)(k % 7), -0.8f + 0.35f * (float)(k / 7), 0), 0.12f, 1);
+    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.3f, 4), v3(0, 0.2f, 0), 0.8f, 1);
+    rsv_rgb sky[2] = { { 0.5f, 0.6f, 0.9f }, { 0.2f, 0.2f, 0.1f } };
+    rsv_environment environment = { .pixels = sky, .width = 1, .height = 2, .intensity = 1 };
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_set_environment(w->scene, &environment), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+static uint64_t hash_at_rest(int threads)
+{
+    enum { wide = 320, high = 192 };
+    static rsv_rgb radiance[wide * high];
+    world *w = varnished_world(threads);
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    desc.gloss = RSV_GLOSS_REUSED;
+    desc.width = wide;
+    desc.height = high;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    uint64_t hash = HASH_START;
+    for (int k = 0; k < 16; k++) {
+        render_frames(renderer, &view, 1);
+        rsv_frame_radiance(renderer, 0, radiance);
+        hash = hash_bytes(hash, radiance, sizeof radiance);
+    }
+    rsv_frame_renderer_destroy(renderer);
+    rsv_light_destroy(solution);
+    world_end(w);
+    return hash;
+}
+
+static void frames_at_rest_do_not_depend_on_threads(void **state)
+{
+    (void)state;
+    uint64_t one = hash_at_rest(1);
+    assert_true(hash_at_rest(2) == one);
+    assert_true(hash_at_rest(4) == one);
+}
+
 /// A light that is switched off leaves nothing behind, in the first frame already.
 static void reused_light_goes_with_its_source(void **state)
 {
@@ -742,6 +796,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(small_highlights_are_spread_over_cells),
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
+        cmocka_unit_test(frames_at_rest_do_not_depend_on_threads),
         cmocka_unit_test(reused_light_goes_with_its_source),
         cmocka_unit_test(reused_light_stays_with_its_sources),
         cmocka_unit_test(tracing_alone_leaves_reused_light_as_it_was),
