@@ -439,8 +439,9 @@ static inline rsv_builtin_desc rsv_default_builtin_desc(void)
 }
 
 /// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks, cornell-spheres,
-/// cornell-glass, cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces. Committed on return.
-/// @param name the last two take a size behind a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
+/// cornell-glass, cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces, fog-rooms,
+/// milk. Committed on return; fog-rooms with its fog set.
+/// @param name gallery and terraces take a size behind a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
 /// million triangles (default 1e5)
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);
 
