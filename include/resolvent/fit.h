@@ -21,7 +21,7 @@ typedef struct rsv_fit_wanted {
 
 /// Start from rsv_default_fit_desc().
 typedef struct rsv_fit_desc {
-    size_t size; ///< of this structure; rsv_default_fit_desc() sets it
+    size_t size; ///< sizeof this structure; rsv_default_fit_desc() sets it
     bool
         colors; ///< wanted are W/m2 of each channel, and each light gets a factor per channel; default lux, one factor
     bool at_least;          ///< readings may be above what is wanted
@@ -35,7 +35,7 @@ typedef struct rsv_fit_desc {
     uint32_t seed;
 } rsv_fit_desc;
 
-/// Defaults, for a descriptor of `size` bytes: what rsv_default_fit_desc() is made of.
+/// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_fit_desc().
 RSV_API void rsv_fit_desc_init(rsv_fit_desc *desc, size_t size);
 static inline rsv_fit_desc rsv_default_fit_desc(void)
 {

@@ -40,7 +40,7 @@ typedef struct rsv_load_luminaire {
 } rsv_load_luminaire;
 
 typedef struct rsv_load_desc {
-    size_t size; ///< of this structure; rsv_default_load_desc() sets it
+    size_t size; ///< sizeof this structure; rsv_default_load_desc() sets it
     /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
     /// theirs.
     float metres_per_unit;
@@ -70,7 +70,7 @@ typedef struct rsv_load_desc {
     bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 
-/// Defaults, for a descriptor of `size` bytes: what rsv_default_load_desc() is made of.
+/// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_load_desc().
 RSV_API void rsv_load_desc_init(rsv_load_desc *desc, size_t size);
 static inline rsv_load_desc rsv_default_load_desc(void)
 {

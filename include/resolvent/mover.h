@@ -19,7 +19,7 @@ extern "C" {
 
 /// Start from rsv_default_mover_desc().
 typedef struct rsv_mover_desc {
-    size_t size;            ///< of this structure; rsv_default_mover_desc() sets it
+    size_t size;            ///< sizeof this structure; rsv_default_mover_desc() sets it
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     uint32_t
@@ -27,7 +27,7 @@ typedef struct rsv_mover_desc {
                        ///< its shadow and frame
 } rsv_mover_desc;
 
-/// Defaults, for a descriptor of `size` bytes: what rsv_default_mover_desc() is made of.
+/// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_mover_desc().
 RSV_API void rsv_mover_desc_init(rsv_mover_desc *desc, size_t size);
 static inline rsv_mover_desc rsv_default_mover_desc(void)
 {

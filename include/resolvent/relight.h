@@ -51,7 +51,7 @@ RSV_API uint32_t rsv_light_find_source(const rsv_light *light, rsv_light_kind ki
 
 /// What is not named is as it was when relighting began.
 typedef struct rsv_relight_desc {
-    size_t size;                  ///< of this structure; rsv_default_relight_desc() sets it
+    size_t size;                  ///< sizeof this structure; rsv_default_relight_desc() sets it
     const rsv_light_scale *light; ///< [light_count]
     size_t light_count;
     const rsv_albedo_change *albedo; ///< [albedo_count]
@@ -64,7 +64,7 @@ typedef struct rsv_relight_desc {
     float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
 
-/// Defaults, for a descriptor of `size` bytes: what rsv_default_relight_desc() is made of.
+/// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_relight_desc().
 RSV_API void rsv_relight_desc_init(rsv_relight_desc *desc, size_t size);
 static inline rsv_relight_desc rsv_default_relight_desc(void)
 {
