@@ -124,33 +124,33 @@ RSV_API void rsv_sky_patch_luminances(const rsv_sky_patches *patches, const rsv_
 
 /// One interval of a weather file.
 typedef struct rsv_weather_hour {
-    rsv_moment moment; ///< its middle
-    double hours;      ///< how long it is
+    rsv_moment moment; ///< middle of the interval
+    double hours;      ///< its length
     rsv_irradiance_record record;
-    /// Lux, where the file holds these instead of irradiances (WEA, unit 2); else NAN
+    /// Lux, if the file holds illuminances instead of irradiances (WEA, unit 2); otherwise NAN
     double direct_illuminance, diffuse_illuminance;
-    bool filled; ///< irradiances were missing and are those of the nearest day
+    bool filled; ///< irradiances were missing, and are those of the nearest day
 } rsv_weather_hour;
 
-/// A weather file, in its order.
+/// A weather file. Intervals are in the order of the file.
 typedef struct rsv_weather {
     char name[128]; ///< of the place
     rsv_site site;
     rsv_weather_hour *hour; ///< [count]
     size_t count;
-    size_t filled;  ///< intervals whose irradiances are another day's
-    size_t missing; ///< hours of the year that the file leaves out
-    bool leap;      ///< has a 29 February
+    size_t filled;  ///< number of intervals with the irradiances of another day
+    size_t missing; ///< hours of the year that are not in the file
+    bool leap;      ///< includes 29 February
 } rsv_weather;
 
-/// Reads EnergyPlus weather (.epw) or Daysim's .wea, told by their content. Missing irradiances are found from the
-/// global irradiance where that is known, else taken from the nearest day that has some at that hour. RSV_ERROR_IO,
-/// RSV_ERROR_FORMAT with line and column.
-/// @param weather to be freed by rsv_weather_free, even after a failure
+/// Reads EnergyPlus weather (.epw) or Daysim's .wea, detected by content. Missing irradiances are computed from the
+/// global irradiance if that is known, and otherwise taken from the nearest day that has some at that hour.
+/// RSV_ERROR_IO; RSV_ERROR_FORMAT, with line and column.
+/// @param weather out; free it with rsv_weather_free, even after an error
 RSV_API rsv_status rsv_weather_read(rsv_context *context, const char *path, rsv_weather *weather);
 RSV_API void rsv_weather_free(rsv_context *context, rsv_weather *weather);
 
-/// The sky of an interval. @param sun out: where the sun is in its middle; may be NULL
+/// The sky of an interval. @param sun out: position of the sun at its middle; may be NULL
 RSV_API rsv_perez_sky rsv_weather_sky(
     const rsv_weather *weather, size_t hour, rsv_solar_position *sun);
 
