@@ -99,8 +99,8 @@ def _plain_rgb(field: str) -> Tuple[float, float, float]:
 
 @dataclasses.dataclass
 class Material:
-    """A surface, described by glTF's metallic-roughness model (docs/materials.md). The fields are those of rsv_material in
-    scene.h.
+    """A surface, described by glTF's metallic-roughness model (docs/materials.md). The fields are those of rsv_material
+    in scene.h.
 
     Colours are linear RGB, or one number for all three; distances are in metres, radiance in W/(sr m2). `textures` maps
     properties ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to the Texture that multiplies
@@ -274,8 +274,8 @@ class PunctualLight:
 
 @dataclasses.dataclass
 class Camera:
-    """A camera at `position` that looks at `target`, with y up. `vertical_fov` is in radians; `aspect` is width / height,
-    0 = any.
+    """A camera at `position` that looks at `target`, with y up. `vertical_fov` is in radians; `aspect` is
+    width / height, 0 = any.
 
     For cameras that are rotated about their axis, set `up`. For orthographic cameras, set `vertical_fov` to 0 and
     `vertical_extent` to half the height of the view in metres.
@@ -325,9 +325,10 @@ class Camera:
 class Fog:
     """A participating medium between surfaces, which absorbs, scatters and emits (rsv_fog in scene.h).
 
-    `extinction` is in 1/m and `emission` in W/(sr m3), both at `base_height` (y in metres) and below. Above it, they fall
-    to 1/e over `scale_height` metres. `albedo` is that of single scattering, `anisotropy` the mean cosine of the
-    Henyey-Greenstein phase function. `bounds`, (2, 3) metres, is the box that the fog fills; None = chosen automatically.
+    `extinction` is in 1/m and `emission` in W/(sr m3), both at `base_height` (y in metres) and below. Above it, they
+    fall to 1/e over `scale_height` metres. `albedo` is that of single scattering, `anisotropy` the mean cosine of the
+    Henyey-Greenstein phase function. `bounds`, (2, 3) metres, is the box that the fog fills; None = chosen
+    automatically.
     """
 
     extinction: Rgb
@@ -358,9 +359,9 @@ class Fog:
 class Environment:
     """Light from infinitely far away.
 
-    `source` is a latitude-longitude image of radiance, (height, width, 3) W/(sr m2), row 0 on top (docs/conventions.md);
-    or the path of an .hdr or .exr file; or "sky" or "white". `intensity` multiplies it. `rotation` is about +y, in
-    degrees, counter-clockwise from above.
+    `source` is a latitude-longitude image of radiance, (height, width, 3) W/(sr m2), row 0 on top
+    (docs/conventions.md); or the path of an .hdr or .exr file; or "sky" or "white". `intensity` multiplies it.
+    `rotation` is about +y, in degrees, counter-clockwise from above.
     """
 
     source: Any
