@@ -451,10 +451,9 @@ static inline rsv_builtin_desc rsv_default_builtin_desc(void)
 }
 
 /// Builds and commits a built-in scene: cornell-blocks, cornell-spheres, cornell-glass, cornell-marble,
-/// cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces, fog-rooms (with its fog) or
-/// milk.
-/// @param name gallery and terraces take a size after a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6"
-/// about a million triangles (default 1e5)
+/// cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery or terraces.
+/// @param name the last two take a size after a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
+/// million triangles (default 1e5)
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);
 
 /// The same with options. @param desc NULL = defaults
