@@ -410,6 +410,9 @@ RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 RSV_API rsv_status rsv_scene_set_volume(
     rsv_scene *scene, const rsv_fog *fog, const rsv_volume_grid *grid);
 
+/// Points along each axis of the grid on which the fog's density varies. @return false if it does not
+RSV_API bool rsv_scene_volume_size(const rsv_scene_view *scene, uint32_t side[3]);
+
 /// Flattens and checks the scene. RSV_ERROR_SCENE if nothing is left to draw. A scene without a camera gets one named
 /// "framing" that shows all of it.
 RSV_API rsv_status rsv_scene_commit(rsv_scene *scene);

@@ -29,7 +29,8 @@ static float bound_cell(const rsv_voxels *v, size_t cell)
     for (size_t z = from[2]; z <= to[2]; z++)
         for (size_t y = from[1]; y <= to[1]; y++)
             for (size_t x = from[0]; x <= to[0]; x++)
-                most = f_max(most, volume->density[(z * volume->side[1] + y) * volume->side[0] + x]);
+                most =
+                    f_max(most, volume->density[(z * volume->side[1] + y) * volume->side[0] + x]);
     return most;
 }
 
@@ -90,7 +91,8 @@ rsv_vec3 rsv_voxel_place(const rsv_voxels *v, uint32_t voxel, const float u[3])
 {
     rsv_vec3 place = rsv_voxel_even_place(v, voxel, u);
     if (!v->volume || !(v->density[voxel] > 0)) return place;
-    rsv_random random = rsv_random_from((uint32_t)(u[0] * 0x1p32f), (uint32_t)(u[1] * 0x1p32f), (uint32_t)(u[2] * 0x1p32f) ^ voxel);
+    rsv_random random = rsv_random_from(
+        (uint32_t)(u[0] * 0x1p32f), (uint32_t)(u[1] * 0x1p32f), (uint32_t)(u[2] * 0x1p32f) ^ voxel);
     for (int k = 0; k < DENSITY_TRIES; k++) {
         if (rsv_random_float(&random) * v->densest[voxel] < rsv_voxels_density(v, place)) break;
         float next[3];

@@ -24,7 +24,7 @@ typedef struct rsv_voxels {
     /// Heterogeneous fog's densities; NULL = it is the same everywhere, and so are the next two.
     const struct rsv_volume *volume;
     float *density, *densest; ///< [count] mean over each voxel, and a bound
-    rsv_vec3 *place;       ///< in voxels of cells that are cut, evenly distributed
+    rsv_vec3 *place;          ///< in voxels of cells that are cut, evenly distributed
 } rsv_voxels;
 
 /// A grid over the scene's fog, whose box is finite. @param target approximate number of cells @param rays out: rays

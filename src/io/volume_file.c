@@ -20,8 +20,7 @@ static rsv_status name_file(const char *path, rsv_status status)
 static rsv_status work(void *user, FILE *answer) { return rsv_vdb_convert(user, answer); }
 
 /// What a child sent may have gone astray.
-static rsv_status take(
-    const uint8_t *answer, size_t count, rsv_scene *scene, const rsv_fog *fog)
+static rsv_status take(const uint8_t *answer, size_t count, rsv_scene *scene, const rsv_fog *fog)
 {
     rsv_vdb_header h;
     size_t points = 1;
@@ -47,8 +46,7 @@ rsv_status rsv_scene_load_volume(rsv_scene *scene, const rsv_fog *fog, const cha
     uint8_t *answer = NULL;
     size_t count = 0;
     int64_t size = rsv_file_size(NULL, path);
-    if (size < 0)
-        return rsv_fail(RSV_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (size < 0) return rsv_fail(RSV_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
     rsv_status status =
         rsv_in_child_process(context, work, (void *)path, (size_t)size, &answer, &count);
     if (status == RSV_OK) status = take(answer, count, scene, fog);

@@ -110,8 +110,7 @@ rsv_status fill(const Grid &grid, const CoordBBox &box, std::vector<float> &dens
     return RSV_OK;
 }
 
-rsv_status send(
-    const rsv_vdb_header &header, const std::vector<float> &density, FILE *answer)
+rsv_status send(const rsv_vdb_header &header, const std::vector<float> &density, FILE *answer)
 {
     if (std::fwrite(&header, sizeof header, 1, answer) != 1 ||
         std::fwrite(density.data(), sizeof(float), density.size(), answer) != density.size())

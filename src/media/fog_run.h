@@ -116,8 +116,9 @@ RSV_INLINE void rsv_fog_integrate(rsv_fog_run *run)
 {
     run->station[0] = 0;
     for (int k = 0; k < RSV_FOG_STATIONS; k++)
-        run->station[k + 1] = run->station[k] + rsv_volume_column(run->volume, &run->line,
-                                                    rsv_fog_station(run, k), rsv_fog_station(run, k + 1));
+        run->station[k + 1] =
+            run->station[k] + rsv_volume_column(run->volume, &run->line, rsv_fog_station(run, k),
+                                  rsv_fog_station(run, k + 1));
     run->column = run->station[RSV_FOG_STATIONS];
 }
 
@@ -159,7 +160,8 @@ RSV_INLINE double rsv_fog_column(const rsv_fog_run *run, double s)
         int k = rsv_fog_station_before(run, s);
         double from = rsv_fog_station(run, k);
         if (!(s > from)) return run->station[k];
-        return run->station[k] + rsv_volume_column(run->volume, &run->line, from, fmin(s, run->end));
+        return run->station[k] +
+               rsv_volume_column(run->volume, &run->line, from, fmin(s, run->end));
     }
     if (s <= run->piece[0].end) return rsv_fog_piece_column(&run->piece[0], s);
     return run->piece[0].column + rsv_fog_piece_column(&run->piece[1], s);

@@ -18,8 +18,10 @@ typedef struct rsv_volume {
     float densest;
     float *density; ///< [side[2]][side[1]][side[0]]
     uint32_t block_side[3];
-    float *block_densest; ///< [block_side[2]][block_side[1]][block_side[0]] over points of each block, borders included
-    struct rsv_volume *earlier; ///< that the scene had before; variants of it may still refer to that
+    float *
+        block_densest; ///< [block_side[2]][block_side[1]][block_side[0]] over points of each block, borders included
+    struct rsv_volume
+        *earlier; ///< that the scene had before; variants of it may still refer to that
 } rsv_volume;
 
 /// A ray in units of cells: origin + s slope, s in metres.
@@ -51,8 +53,7 @@ RSV_INLINE void rsv_grid_aim(rsv_grid_walk *w, int axis)
 {
     double slope = w->line.slope[axis], plane = w->cell[axis] + (slope > 0 ? 1 : 0);
     bool leaves = slope > 0 ? w->cell[axis] >= w->last[axis] : w->cell[axis] <= 0;
-    w->next[axis] =
-        slope == 0 || leaves ? INFINITY : (plane - w->line.origin[axis]) / slope;
+    w->next[axis] = slope == 0 || leaves ? INFINITY : (plane - w->line.origin[axis]) / slope;
 }
 
 /// @param begin, end metres, within the grid @param last the last cell along each axis
@@ -101,7 +102,8 @@ RSV_INLINE double rsv_volume_in_cell(
     const rsv_volume *v, const int32_t cell[3], const double share[3])
 {
     size_t line = v->side[0], plane = line * v->side[1];
-    const float *d = v->density + (size_t)cell[2] * plane + (size_t)cell[1] * line + (size_t)cell[0];
+    const float *d =
+        v->density + (size_t)cell[2] * plane + (size_t)cell[1] * line + (size_t)cell[0];
     double x = fmin(fmax(share[0], 0.0), 1.0), y = fmin(fmax(share[1], 0.0), 1.0);
     double z = fmin(fmax(share[2], 0.0), 1.0);
     double near = rsv_volume_blend(
@@ -136,10 +138,11 @@ RSV_INLINE double rsv_volume_density(const rsv_volume *v, const rsv_grid_line *l
 }
 
 /// Integral over [begin, end] within one cell.
-RSV_INLINE double rsv_volume_piece(const rsv_volume *v, const rsv_grid_line *line,
-    const int32_t cell[3], double begin, double end)
+RSV_INLINE double rsv_volume_piece(
+    const rsv_volume *v, const rsv_grid_line *line, const int32_t cell[3], double begin, double end)
 {
-    double middle = 0.5 * (begin + end), half = 0.5 * (end - begin), aside = half * 0.57735026918962576;
+    double middle = 0.5 * (begin + end), half = 0.5 * (end - begin),
+           aside = half * 0.57735026918962576;
     return half * (rsv_volume_on_line(v, line, cell, middle - aside) +
                       rsv_volume_on_line(v, line, cell, middle + aside));
 }

@@ -21,8 +21,9 @@ static void look_up_block(tracking *t)
     size_t line = v->block_side[0], plane = line * v->block_side[1];
     t->exit = rsv_grid_exit(&t->blocks, &t->axis);
     t->majorant =
-        t->most * (double)v->block_densest[(size_t)block[2] * plane + (size_t)block[1] * line +
-                                           (size_t)block[0]];
+        t->most *
+        (double)
+            v->block_densest[(size_t)block[2] * plane + (size_t)block[1] * line + (size_t)block[0]];
 }
 
 static tracking track(const rsv_fog *fog, const rsv_ray *ray)
@@ -99,8 +100,8 @@ static bool is_scattered(rsv_light_path *path, const tracking *t, double s, rsv_
     if (!(sum > 0)) return false;
     float probability = sum_of(scattered) / sum;
     bool is = rsv_random_float(random) < probability;
-    path->throughput = is ? rgb_scale(scattered, 1 / probability)
-                          : rgb_scale(passed, 1 / (1 - probability));
+    path->throughput =
+        is ? rgb_scale(scattered, 1 / probability) : rgb_scale(passed, 1 / (1 - probability));
     return is;
 }
 

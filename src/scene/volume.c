@@ -140,8 +140,7 @@ static void adopt(rsv_scene *scene, rsv_volume *volume)
     scene->fog.volume = volume;
 }
 
-rsv_status rsv_scene_set_volume(
-    rsv_scene *scene, const rsv_fog *fog, const rsv_volume_grid *grid)
+rsv_status rsv_scene_set_volume(rsv_scene *scene, const rsv_fog *fog, const rsv_volume_grid *grid)
 {
     rsv_status status;
     rsv_volume *volume = NULL;
@@ -182,4 +181,11 @@ rsv_status rsv_scene_restore_volume(rsv_scene *scene, const uint32_t side[3], co
     adopt(scene, volume);
 cleanup:
     return status;
+}
+
+bool rsv_scene_volume_size(const rsv_scene_view *scene, uint32_t side[3])
+{
+    const rsv_volume *volume = scene->fog ? scene->fog->volume : NULL;
+    if (volume) memcpy(side, volume->side, sizeof volume->side);
+    return volume;
 }
