@@ -29,7 +29,8 @@ typedef struct rsv_frame_aim {
     uint32_t phase[2]; ///< of that, right and down
 } rsv_frame_aim;
 
-/// Moves a sample within its stratum, in pixels nearby by different amounts: the plastic number's lattice (Roberts 2018).
+/// Moves a sample within its stratum, in pixels nearby by different amounts: the plastic number's lattice (Roberts
+/// 2018).
 RSV_INLINE float rsv_scatter(
     float place, float scatter, uint32_t phase, uint32_t along, uint32_t across)
 {
@@ -48,7 +49,7 @@ RSV_INLINE rsv_grid_place rsv_packet_place(const rsv_packet_places *places, uint
         (uint32_t)places->cell[lane], places->b0[lane], places->b1[lane], places->b2[lane]);
 }
 
-/// Asks the memory for the triangles that lanes met.
+/// Prefetches the triangles that lanes hit.
 RSV_INLINE void rsv_prefetch_triangles(
     const rsv_scene_view *view, const rsv_ray_packet *p, uint32_t lanes)
 {
@@ -85,7 +86,7 @@ RSV_INLINE uint32_t rsv_glossy_lanes(
     return glossy;
 }
 
-/// What all glossy surfaces of a frame have in common.
+/// Data common to all glossy surfaces of a frame.
 typedef struct rsv_glossy_shading {
     const rsv_scene_view *view;
     const rsv_glossy_material *materials; ///< [material_count]
@@ -98,7 +99,7 @@ typedef struct rsv_texel_lanes {
     float weight[4][RSV_PACKET_WIDTH];
 } __attribute__((aligned(64))) rsv_texel_lanes;
 
-/// Texels of the base color of some lanes of a packet, found and asked for before they are read.
+/// Texels of the base color of some lanes of a packet, located and prefetched before they are read.
 typedef struct rsv_texels_ahead {
     rsv_texel_lanes level[2];
     uint32_t lanes; ///< all of one material, a bit each; 0 = none
@@ -118,8 +119,9 @@ typedef struct rsv_cell_row {
     uint32_t line;        ///< of cells in the tile
 } rsv_cell_row;
 
-/// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
-/// packets' steps between them hide the waiting.
+/// From a packet to its radiance in four steps. Each prefetches the data of the next one, so that other packets' steps
+/// in between hide the latency.
+
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
     void (*aim)(const rsv_frame_aim *aim, uint32_t column, uint32_t row, rsv_ray_packet *packet);
@@ -142,8 +144,9 @@ typedef struct rsv_packet_kernels {
     /// Finds texels that shade_glossy is going to read, of the first of the materials that lanes are at.
     void (*find_ahead)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, rsv_texels_ahead *ahead);
-    /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by direction, which
-    /// the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
+    /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by
+    /// direction, which the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in
+    /// and out
     /// @param width of each lane's footprint, metres
     void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, float (*radiance)[4], rsv_glossy_block block);
@@ -168,8 +171,8 @@ typedef struct rsv_packet_kernels {
     /// @param line of the tile @param radiance [RSV_TILE] out; the last channel is the number of frames
     void (*recall)(const rsv_frame_history *history, const rsv_history_window *window,
         uint32_t column, uint32_t row, uint32_t line, float (*radiance)[4]);
-    /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted. What comes out for other lanes means
-    /// nothing.
+    /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted.
+    /// What comes out for other lanes means nothing.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
         const rsv_clearances *clearances, const rsv_ray_packet *packet,
         const rsv_specular_lanes *paths, rsv_branch_lanes branch[2]);
