@@ -125,15 +125,15 @@ typedef struct rsv_cell_row {
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
     void (*aim)(const rsv_frame_aim *aim, uint32_t column, uint32_t row, rsv_ray_packet *packet);
-    /// Finds what the rays through a part of a picture may meet. @param low, high places in the picture of the rays
-    /// farthest up and left, and down and right @return false: too much of it, or not for beams
+    /// Finds the triangles that the rays through a part of a picture may hit. @param low, high positions in the picture
+    /// of the rays at the upper left and lower right @return false: too many, or not possible with beams
     bool (*gather)(const rsv_beams *beams, const rsv_beam_lens *lens, const float low[2],
         const float high[2], rsv_beam *beam);
     /// Traces rays of a beam, as rsv_tracer_closest_packet.
     void (*meet)(const rsv_beam *beam, rsv_ray_packet *packet);
     /// Once its rays are traced.
     void (*approach)(const rsv_light_table *table, const rsv_ray_packet *packet);
-    /// Finds the cells of what the rays met. @return lanes whose side is not RSV_SHOWN_STORED, a bit each
+    /// Finds the cells of the hits. @return lanes whose side is not RSV_SHOWN_STORED, one bit each
     uint32_t (*locate)(
         const rsv_light_table *table, const rsv_ray_packet *packet, rsv_packet_places *places);
     /// Moves on to the parts of split cells, until all are whole.
@@ -144,8 +144,8 @@ typedef struct rsv_packet_kernels {
     /// Finds texels that shade_glossy is going to read, of the first of the materials that lanes are at.
     void (*find_ahead)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, rsv_texels_ahead *ahead);
-    /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by
-    /// direction, which the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in
+    /// Light of glossy surfaces, from the irradiance that was looked up: everything but the light of lobes that vary by
+    /// direction, which goes to the tile of `block`. @param lanes at such surfaces @param radiance as in look_up, in
     /// and out
     /// @param width of each lane's footprint, metres
     void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
@@ -155,9 +155,9 @@ typedef struct rsv_packet_kernels {
     void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, rsv_cell_row row,
         const rsv_glossy_cells *cells, int *speaker);
     void (*pack_pixels)(const rsv_glossy_tile *tile, rsv_glossy_pixels *pixels);
-    /// This frame's samples around sixteen cells, and what was kept of the frames before.
+    /// Combines this frame's samples around sixteen cells with those of earlier frames.
     void (*blend_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
-    /// What sixteen cells show. Once all are blended.
+    /// Light of sixteen cells, after all have been combined.
     void (*smooth_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
     /// Adds the light of the cells around to sixteen pixels. @param x, y of the first one in the tile
     /// @param cell index of the cell that it lies in @param radiance [RSV_TILE_PIXELS] of the tile
@@ -167,18 +167,18 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
         uint32_t count, uint8_t (*pixel)[4]);
-    /// Adds a tile's row of samples to the mean of what was shown before. @param column, row of its first pixel
+    /// Adds a tile's row of samples to the mean of the history. @param column, row of its first pixel
     /// @param line of the tile @param radiance [RSV_TILE] out; the last channel is the number of frames
     void (*recall)(const rsv_frame_history *history, const rsv_history_window *window,
         uint32_t column, uint32_t row, uint32_t line, float (*radiance)[4]);
-    /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted.
-    /// What comes out for other lanes means nothing.
+    /// The branches of specular paths at surfaces of one smooth material: reflected, transmitted. Results for other
+    /// lanes are undefined.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
         const rsv_clearances *clearances, const rsv_ray_packet *packet,
         const rsv_specular_lanes *paths, rsv_branch_lanes branch[2]);
 } rsv_packet_kernels;
 
-/// @param instructions BEST, or what the processor is known to have; set to what is in use
+/// @param instructions BEST, or instructions that the CPU has; set to those in use
 const rsv_packet_kernels *rsv_packet_kernels_for(rsv_instructions *instructions);
 
 /// Whether the processor, and this build, have them.
