@@ -124,24 +124,39 @@ static rsv_status close_pockets(rsv_light *s, const float *survival, float least
     return RSV_OK;
 }
 
+/// What keeps light from dying out, and what to do about it.
+typedef struct lossless_cause {
+    const char *what, *advice;
+} lossless_cause;
+
+static lossless_cause find_cause(const rsv_fog *fog)
+{
+    if (fog && (double)rgb_max(fog->albedo) >= RSV_LOSSLESS)
+        return (lossless_cause){ "light in the fog of albedo 1 is hardly ever absorbed",
+            "lower the albedo of the fog below 1 (--fog EXTINCTION,ALBEDO)" };
+    return (lossless_cause){ "the scene is closed and absorbs nothing",
+        "lower an albedo below 1 or open the scene" };
+}
+
 static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 {
+    const lossless_cause cause = find_cause(q->s->scene.view->fog);
     double compatibility, lost = 1 - a->radius.power;
     if (lost > LOSS_IN_DOUBT)
         return rsv_fail(RSV_ERROR_SCENE,
             "solve: the scene is closed and absorbs only %.1g of its light per reflection, and a "
-            "solution requires %.1g; lower an albedo or open the scene",
-            lost, 1 - RSV_LOSSLESS);
+            "solution requires %.1g; %s",
+            lost, 1 - RSV_LOSSLESS, cause.advice);
     rsv_status status =
         rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: the scene is closed and absorbs nothing, as far as single precision can tell (spectral radius %.6f): "
-        "E = G K E has solutions of its own; the light is %s them, so that %s; lower an albedo below 1 or "
-        "open the scene",
-        a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
+        "solve: %s, as far as single precision can tell (spectral radius %.6f): "
+        "E = G K E has solutions of its own; the light is %s them, so that %s; %s",
+        cause.what, a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
         compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
-                             : "there are many answers");
+                             : "there are many answers",
+        cause.advice);
 }
 
 /// Closes pockets and looks again whether all light dies out.
