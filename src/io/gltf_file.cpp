@@ -321,7 +321,7 @@ void check_required_extensions(const json &root)
 
 // ---- buffers and images -------------------------------------------------------------------------
 
-/// What a file was found to hold beside what is looked for.
+/// State while a document is read: where its files come from, and what was found in the first one.
 struct source {
     const rsv_file_source *files;
     std::string folder; ///< "" or with a slash at its end
