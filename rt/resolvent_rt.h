@@ -1,5 +1,5 @@
-/// @file resolvent_rt.h Relighting of solved light at run time, for engines: this header, one source file, nothing
-/// else.
+/// @file resolvent_rt.h
+/// Relighting of solved light at run time, for engines: this header, one source file, nothing else.
 ///
 /// C99, freestanding: no allocation, no input or output, no library, not even the C library. The caller owns all
 /// arrays. The source compiles to scalar code, or to 128-bit SIMD on x86-64, Arm and WebAssembly. Both give the same
@@ -8,8 +8,8 @@
 /// There are two ways to get from lights to irradiance E (W/m2 arriving on a surface, linear RGB):
 ///
 /// - **Basis.** Light is linear: E = sum of scale[l] * B[l], where B[l] is the irradiance by light l alone, at any
-///   receivers: vertices, texels of a lightmap, probes. It is cheap (rsv_rt_relight), and exact for other intensities and
-///   colours of the lights that were baked.
+///   receivers: vertices, texels of a lightmap, probes. It is cheap (rsv_rt_relight), and exact for other
+///   intensities and colours of the lights that were baked.
 /// - **Operator.** E = E0 + G K E for any direct light E0 that the engine supplies, from lights that were not baked.
 ///   rsv_rt_solver_update continues from the light of the previous frame within a budget of work. So bounced light
 ///   follows within a few frames, at a cost that the engine chooses.

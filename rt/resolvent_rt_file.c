@@ -442,7 +442,6 @@ int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_prob
 }
 
 /// Parses a number as files write it, with a point in any locale: cJSON does what strtof would not.
-
 static float number_of(const char *text)
 {
     cJSON *number = cJSON_Parse(text);

@@ -1,5 +1,6 @@
-/// @file resolvent_rt_file.h Reads operators and light bases from files, for the runtime: hosted C99 with cJSON. Use it
-/// as it is, or as a pattern for your engine's own file system: the runtime itself does not read files.
+/// @file resolvent_rt_file.h
+/// Reads operators and light bases from files, for the runtime: hosted C99 with cJSON. Use it as it is, or as a pattern
+/// for your engine's own file system: the runtime itself does not read files.
 #ifndef RESOLVENT_RT_FILE_H
 #define RESOLVENT_RT_FILE_H
 

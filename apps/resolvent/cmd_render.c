@@ -580,7 +580,6 @@ static rsv_status find_light(reel *r, cli_subject *subject, const rsv_render_des
 }
 
 /// Frees what belongs to this frame only.
-
 static void close_frame(const reel *r, cli_subject *subject)
 {
     if (subject->solution == r->light) subject->solution = NULL;

@@ -6,7 +6,6 @@
 /// Left and right select a light; up and down change its strength. Page up and page down turn a sky that was baked with
 /// --env-turns. With FRAMES, the last frame is saved as a picture. Base colours come from materials and vertices, not
 /// from textures.
-
 #define GL_GLEXT_PROTOTYPES // all that is called here is in libGL itself
 #include <SDL.h>
 #include <SDL_opengl.h>

@@ -289,7 +289,6 @@ static void check_up_axis(const scanner *s)
 }
 
 /// Counts what collada_clean.c mends before the importer sees it.
-
 static void check_numbers(scanner *s, const tag *t)
 {
     char count[RSV_COLLADA_NAME_BYTES], *end = NULL;

@@ -186,7 +186,6 @@ void read_file(const rsv_file_source *files, const char *path, owned_document &d
 void read_archive(const uint8_t *archive, size_t count, owned_document &document);
 
 /// Reports what is not read: unknown extensions and properties, and values of a wrong type.
-
 void find_unread(owned_document &document);
 
 /// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.

@@ -242,7 +242,6 @@ cleanup:
 // ---- KTX2 -------------------------------------------------------------------------------------------
 
 /// Converts a texture's values to linear light, in place.
-
 static void make_linear(const rsv_texture_source *source, rsv_ktx_picture *p)
 {
     size_t count = (size_t)p->width * p->height * p->channel_count;

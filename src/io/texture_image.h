@@ -44,7 +44,6 @@ bool rsv_image_is_webp(const rsv_image_file *file);
 
 /// Decodes a PNG of 16 bits per channel. @param code out: [height * width * channels] 0..65535, to be freed by
 /// rsv_image_free_codes16
-
 rsv_status rsv_image_decode_codes16(
     const rsv_image_file *file, uint16_t **code, rsv_image_codes *size);
 void rsv_image_free_codes16(uint16_t *code);

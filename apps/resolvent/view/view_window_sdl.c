@@ -37,7 +37,6 @@ static cli_window *give_up(cli_window *w)
 }
 
 /// Without a display SDL would draw to nothing.
-
 static bool has_display(void)
 {
 #if defined(__unix__) && !defined(__APPLE__)
