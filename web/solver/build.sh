@@ -29,4 +29,5 @@ export EM_CACHE=$root/build/web-cache NODE_PATH=/usr/share/nodejs
 [[ -d $EM_CACHE ]] || cp -r /usr/share/emscripten/cache "$EM_CACHE"
 emcmake cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CROSSCOMPILING_EMULATOR="$(command -v node);--no-experimental-fetch" -DRSV_SOURCES="$sources" >/dev/null
 cmake --build "$build" --target solver_threads solver_alone --parallel "$(nproc)"
+cp "$here/worker.js" "$out/solver_worker.js"
 cp "$build"/bin/solver_{threads,alone}.{js,wasm} "$build/bin/solver_threads.worker.js" "$out"

@@ -17,6 +17,10 @@ EM_JS(void, tell_note, (const char *text), {
     if (Module["onSolverNote"]) Module["onSolverNote"](UTF8ToString(text));
 });
 
+const char *rsv_page_problem(void);
+typedef struct page_task page_task;
+int rsv_page_solve(const char *input, const char *output, const page_task *task);
+
 // ---- threads ----------------------------------------------------------------------------------------
 
 #if defined(RSV_PAGE_THREADS)
@@ -119,7 +123,7 @@ static void show_note(void *user, rsv_log_level level, const char *message)
 
 static char problem[1024]; // why the last scene was not solved
 
-EMSCRIPTEN_KEEPALIVE const char *rsv_page_problem(void) { return problem; }
+const char *rsv_page_problem(void) { return problem; }
 
 /// Keeps the library's message for the page.
 static bool keep_problem(rsv_status status)
@@ -131,13 +135,15 @@ static bool keep_problem(rsv_status status)
 // ---- work -------------------------------------------------------------------------------------------
 
 /// How a scene is to be solved; the page fills it in.
-typedef struct page_task {
+struct page_task {
     int threads;   ///< that the page has
     int triangles; ///< more are refused
     int elements;  ///< wanted number of coarse elements; 0 = as quality draft has it
     int map_size;  ///< texels along a side of the lightmap at most
     float error;   ///< wanted of direct light at the median texel, relative
-} page_task;
+    int levels;    ///< finer levels of direct light at most; -1 = as quality draft has it
+    int samples;   ///< shadow rays per element, a power of two; 0 = as quality draft has it
+};
 
 static bool check_size(const rsv_scene *scene, const page_task *task)
 {
@@ -153,6 +159,8 @@ static rsv_status solve(const rsv_scene *scene, const page_task *task, rsv_light
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     if (task->elements > 0) desc.element_target = (uint32_t)task->elements;
+    if (task->levels >= 0) desc.direct_levels = (uint32_t)task->levels;
+    if (task->samples > 0) desc.light_samples = (uint32_t)task->samples;
     return rsv_light_create(scene, &desc, light);
 }
 
@@ -167,7 +175,7 @@ static rsv_status bake(const rsv_light *light, const page_task *task, const char
 
 /// Reads `input`, a .glb, and writes `output`, the same with a lightmap, and the light of each source beside it.
 /// @return 1, or 0: rsv_page_problem() says why
-EMSCRIPTEN_KEEPALIVE int rsv_page_solve(const char *input, const char *output, const page_task *task)
+int rsv_page_solve(const char *input, const char *output, const page_task *task)
 {
     rsv_context *context = NULL;
     rsv_scene *scene = NULL;
