@@ -43,4 +43,4 @@ if node --no-experimental-fetch "$source/tests/web/solve_node.js" "$page" "$work
 fi
 grep -q "has 32 triangles; a page solves 10 at most" "$work/said"
 
-node "$source/tests/web/test_solve.mjs" "$source/web" "$page" "$work/plain.glb"
+node "$source/tests/web/test_solve.mjs" "$source/web" "$page" "$work/plain.glb" ${SCREENSHOTS:+"$SCREENSHOTS"}

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The solver for web pages: build.sh OUT_FOLDER. Needs Debian's emscripten; compiles what has changed (all of it takes two
-# minutes), in build/web-solver. Sources of the libraries that it uses are fetched from Debian once.
+# The solver for web pages: build.sh OUT_FOLDER. Needs Debian's package emscripten. Compiles what has changed, in
+# build/web-solver: all of it takes four minutes of CPU time. Sources of cJSON, zlib and meshoptimizer are fetched from Debian
+# once, into build/web-sources; on another system, put them there.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -31,3 +32,5 @@ emcmake cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CROSSCOM
 cmake --build "$build" --target solver_threads solver_alone --parallel "$(nproc)"
 cp "$here/worker.js" "$out/solver_worker.js"
 cp "$build"/bin/solver_{threads,alone}.{js,wasm} "$build/bin/solver_threads.worker.js" "$out"
+cat "$sources"/cjson/LICENSE "$sources"/meshoptimizer/LICENSE.md /usr/share/doc/{zlib1g-dev,emscripten,nlohmann-json3-dev,libstb-dev}/copyright \
+    >"$out/solver_licences.txt"

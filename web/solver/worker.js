@@ -1,6 +1,6 @@
 /// The solver in a worker of its own, so that the page stays free; it is cancelled by ending the worker.
 ///
-/// In: { glb: ArrayBuffer, threads, triangles, elements, mapSize, error }. Out, any number of { phase, fraction } and
+/// In: { glb: ArrayBuffer, threads, and what solve() takes }. Out, any number of { phase, fraction } and
 /// { note }, then { glb, basis } (the file with a lightmap, and its light basis) or { problem }.
 "use strict";
 
@@ -14,6 +14,11 @@ function findMissing() {
     if (typeof WebAssembly !== "object") return "this browser has no WebAssembly";
     if (!WebAssembly.validate(simd)) return "this browser has no WebAssembly SIMD; use a newer one";
     return null;
+}
+
+/// Whether a file begins as binary glTF does.
+function isBinaryGltf(bytes) {
+    return bytes.byteLength >= 4 && new DataView(bytes).getUint32(0, true) === 0x46546c67;
 }
 
 /// Threads need memory that workers share, which browsers give to isolated pages alone.
@@ -40,7 +45,7 @@ async function openSolver(kind, threads, tell, { create, load, script }) {
     return module;
 }
 
-/// Solves one scene.
+/// Solves one scene; the rest is as page_task of solver.c has it.
 function solve(module, { glb, threads, triangles = 100000, elements = 0, mapSize = 512, error = 0.05, levels = -1, samples = 0 }) {
     module.FS.writeFile("/scene.glb", new Uint8Array(glb));
     const [input, output, task] = [module._malloc(32), module._malloc(32), module._malloc(28)];
@@ -61,6 +66,7 @@ function solve(module, { glb, threads, triangles = 100000, elements = 0, mapSize
 async function work(job, tell, source) {
     const missing = findMissing();
     if (missing) return tell({ problem: missing });
+    if (!isBinaryGltf(job.glb)) return tell({ problem: "this is no binary glTF file; export the scene as .glb" });
     const kind = canShare() && job.threads > 1 ? "threads" : "alone";
     const threads = kind === "threads" ? job.threads : 1;
     try {
