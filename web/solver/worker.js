@@ -28,7 +28,7 @@ function canShare() {
 
 function describe(error) {
     const text = String(error?.message ?? error);
-    return /memory|OOM|allocat/i.test(text) ? "the browser gives it too little memory; try a smaller scene" : text;
+    return /memory|OOM/i.test(text) ? "the browser gives it too little memory; try a smaller scene" : text;
 }
 
 /// @param load (name): promises the bytes of a file of the solver @param create the loaded script's createSolver
