@@ -83,8 +83,10 @@ func _give_material(baked: Dictionary, maker: RefCounted, made: Dictionary, mesh
 	var lamp: int = baked.names.find(source.resource_name) if source.emission_enabled else -1
 	if not lit and lamp < 0:
 		return
-	# without a basis, the light of vertices includes their colours
-	var colored: bool = primitive.attributes.has("COLOR_0")
+	var colored := "" # how vertex colours multiply the base colour
+	if primitive.attributes.has("COLOR_0"):
+		# without a basis, the light of vertices includes their colours, but not their alpha
+		colored = " * vec4(1.0, 1.0, 1.0, COLOR.a)" if lit and baked.receivers == "vertex" and not baked.basis else " * COLOR"
 	var key := [source, lit, colored]
 	if not made.has(key):
 		made[key] = maker.convert(source, baked.receivers if lit else "", baked.set, colored)

@@ -6,6 +6,9 @@
 @tool
 extends Node
 
+## The light was changed.
+signal changed
+
 const LightBasis = preload("light_basis.gd")
 
 ## Names of the lights, one for each layer of the texture. Without a light basis, there is one light, "baked".
@@ -57,12 +60,19 @@ func _update() -> void:
 	if light_scale == null:
 		return
 	var image := Image.create_empty(maxi(light_names.size(), 1), 1, false, Image.FORMAT_RGBAF)
-	var shares: Array = LightBasis.turn_shares(sky_turns, sky_rotation, _degrees)
+	var first := light_names.size() - sky_turns
 	for k in light_names.size():
-		var factor: Color = _color.get(light_names[k], Color.WHITE).srgb_to_linear() * _energy.get(light_names[k], 1.0)
-		var first := light_names.size() - sky_turns
-		image.set_pixel(k, 0, factor * (shares[k - first] if k >= first else 1.0))
+		image.set_pixel(k, 0, factor(light_names[k], k - first if k >= first else -1))
 	light_scale.update(image)
+	changed.emit()
+
+
+## What a light is multiplied by, linear. @param turn which angle of a sky that turns; -1 for other lights
+func factor(light: String, turn := -1) -> Color:
+	var strength: Color = _color.get(light, Color.WHITE).srgb_to_linear() * _energy.get(light, 1.0)
+	if turn < 0 or turn >= sky_turns:
+		return strength
+	return strength * LightBasis.turn_shares(sky_turns, sky_rotation, _degrees)[turn]
 
 
 func _unique_names() -> Array:

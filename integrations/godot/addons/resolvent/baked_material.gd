@@ -23,7 +23,7 @@ uniform int light_count = 0;
 uniform float light_unit = 1.0; // W/m2
 uniform int lamp = -1; // the light that this surface emits, if it is one
 varying vec3 vertex_light;
-varying vec4 light_place;
+varying vec2 light_place;
 
 vec3 to_linear(vec3 c) {
 	return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThan(c, vec3(0.04045)));
@@ -51,33 +51,51 @@ void vertex() {
 		vertex_light += factor(k) * texelFetch(light, ivec3(place, k), 0).rgb;
 }
 
-vec3 irradiance(vec2 uv, vec2 uv2) {
+vec3 irradiance() {
 	return light_unit * vertex_light;
 }
 """
 
 const TEXEL_RECEIVERS := """
 void vertex() {
-	light_place = vec4(%s, 0.0, 0.0);
+	light_place = %s;
 }
 
-vec3 irradiance(vec2 uv, vec2 uv2) {
+vec3 irradiance() {
 	vec3 sum = vec3(0.0);
 	for (int k = 0; k < light_count; k++)
-		sum += factor(k) * texture(light, vec3(light_place.xy, float(k))).rgb;
+		sum += factor(k) * texture(light, vec3(light_place, float(k))).rgb;
 	return light_unit * sum;
 }
 """
 
+const PROBE_RECEIVERS := """
+uniform vec3 probe[9]; // radiance in spherical harmonics of order 2, W/(sr m2)
+uniform mat3 to_probes = mat3(1.0); // from world space
+varying vec3 direction;
+
+void vertex() {
+	direction = to_probes * (MODEL_NORMAL_MATRIX * NORMAL);
+}
+
+vec3 irradiance() { // Ramamoorthi and Hanrahan 2001
+	vec3 n = normalize(direction);
+	vec3 sum = 0.88622693 * probe[0] + 1.02332671 * (n.y * probe[1] + n.z * probe[2] + n.x * probe[3]);
+	sum += 0.85808553 * (n.x * n.y * probe[4] + n.y * n.z * probe[5] + n.x * n.z * probe[7]);
+	sum += 0.24770796 * (3.0 * n.z * n.z - 1.0) * probe[6] + 0.42904276 * (n.x * n.x - n.y * n.y) * probe[8];
+	return max(sum, vec3(0.0));
+}
+"""
+
 const NO_RECEIVERS := """
-vec3 irradiance(vec2 uv, vec2 uv2) {
+vec3 irradiance() {
 	return vec3(0.0);
 }
 """
 
 const END := """
 void fragment() {
-	vec2 uv = %s * base_scale + base_offset;
+	vec2 uv = UV * base_scale + base_offset;
 	vec4 base = texture(base_map, uv);
 	vec3 emitted = texture(emission_map, uv).rgb;
 	if (OUTPUT_IS_SRGB) {
@@ -86,7 +104,7 @@ void fragment() {
 	}
 	base *= tint%s;
 	float diffuse = 1.0 - metallic * dot(texture(metallic_map, uv), metallic_channel);
-	vec3 radiance = base.rgb * diffuse * irradiance(UV, UV2) / PI;
+	vec3 radiance = base.rgb * diffuse * irradiance() / PI;
 	radiance += emitted * emission * (lamp < 0 ? vec3(1.0) : factor(lamp));
 	ALBEDO = OUTPUT_IS_SRGB ? to_srgb(radiance) : radiance;%s
 }
@@ -96,10 +114,10 @@ var _shaders := {}
 
 
 ## A material that looks like `source` under baked light.
-## @param receivers "vertex", "texel", or "" for lamps without baked light
+## @param receivers "vertex", "texel", "probe" for objects that move, or "" for lamps without baked light
 ## @param uv_set of texture coordinates with the places of light
-## @param colored whether vertex colours multiply the base colour
-func convert(source: BaseMaterial3D, receivers: String, uv_set: int, colored: bool) -> ShaderMaterial:
+## @param colored how vertex colours multiply the base colour, in the shading language; "" if they do not
+func convert(source: BaseMaterial3D, receivers: String, uv_set: int, colored: String) -> ShaderMaterial:
 	var material := ShaderMaterial.new()
 	material.resource_name = source.resource_name
 	material.shader = _shader(_code(source, receivers, uv_set, colored))
@@ -126,7 +144,7 @@ func _copy_metal(source: BaseMaterial3D, material: ShaderMaterial) -> void:
 	material.set_shader_parameter("metallic_channel", channel)
 
 
-func _code(source: BaseMaterial3D, receivers: String, uv_set: int, colored: bool) -> String:
+func _code(source: BaseMaterial3D, receivers: String, uv_set: int, colored: String) -> String:
 	var modes := "unshaded"
 	if source.cull_mode == BaseMaterial3D.CULL_DISABLED:
 		modes += ", cull_disabled"
@@ -141,8 +159,8 @@ func _code(source: BaseMaterial3D, receivers: String, uv_set: int, colored: bool
 	elif receivers == "texel":
 		code += TEXEL_RECEIVERS % coordinates(uv_set)
 	else:
-		code += NO_RECEIVERS
-	return code + END % ["UV", " * COLOR" if colored else "", alpha]
+		code += PROBE_RECEIVERS if receivers == "probe" else NO_RECEIVERS
+	return code + END % [colored, alpha]
 
 
 ## Where Godot imports a set of texture coordinates.

@@ -94,7 +94,7 @@ static func _colors(state: GLTFState, index: int) -> PackedFloat32Array:
 ## Irradiance of all texels as baked: unclipped from the .exr beside the file, else from its own map.
 static func _map_light(state: GLTFState, baked: Dictionary, size: Vector2i) -> PackedFloat32Array:
 	var path := state.base_path.path_join(state.filename + ".lightmap.exr")
-	if FileAccess.file_exists(path):
+	if FileAccess.file_exists(path) and not OS.has_feature("web"): # there, Godot's reader of .exr asks for threads
 		var exact := Image.new()
 		if exact.load(path) == OK and exact.get_size() == size:
 			exact.convert(Image.FORMAT_RGBF)
