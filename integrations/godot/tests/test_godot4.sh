@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # The add-on in Godot 4 for the web, in headless Chromium: what it shows is our own picture.
-# usage: test_godot4.sh PROGRAM GODOT [FOLDER_FOR_PICTURES]     GODOT: a folder with index.js and index.wasm of Godot 4
+# usage: test_godot4.sh PROGRAM [GODOT [FOLDER_FOR_PICTURES]]     GODOT: a folder with index.js and index.wasm of Godot 4
 here=$(cd "$(dirname "$0")" && pwd)
 source_folder=$(cd "$here/../../.." && pwd)
 source "$source_folder/tests/cli/support.sh"
 here=$source_folder/integrations/godot/tests
-godot=$2 keep=${3:-}
+godot=${2:-${XDG_CACHE_HOME:-$HOME/.cache}/resolvent/godot4} keep=${3:-}
 skip() {
     echo "skipped: $*"
     exit 77
