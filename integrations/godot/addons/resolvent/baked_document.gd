@@ -1,7 +1,7 @@
 ## What the JSON of a baked glTF file says about its light. Runs in Godot 3 and 4.
 ##
-## Vertices get a second address: a set of texture coordinates with the column and row of their light in a texture. An engine
-## may reorder, duplicate or compress vertices; the address goes with them.
+## Each vertex gets an address: a set of texture coordinates with the column and row of its light in a texture. An engine may
+## reorder, duplicate or compress vertices; the address goes with them.
 
 const Platform = preload("platform.gd")
 const COLUMNS = 1024 # of the texture with the light of vertices
