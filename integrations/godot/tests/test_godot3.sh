@@ -21,8 +21,10 @@ cp -r "$here/godot3" project
 mkdir -p project/addons/resolvent
 cp "$here"/../addons/resolvent/{light_basis,baked_document,probe_grid}.gd project/addons/resolvent
 mv project/platform.gd project/addons/resolvent
-BAKED=$work HOME=$work LIBGL_ALWAYS_SOFTWARE=1 godot3 --path project --audio-driver Dummy --video-driver GLES2 -s main.gd \
-    >stdout 2>errors || complain "the scripts fail: $(cat stdout)"
+export BAKED=$work HOME=$work LIBGL_ALWAYS_SOFTWARE=1
+godot3 --path project --audio-driver Dummy --video-driver GLES2 -s main.gd >stdout 2>errors ||
+    complain "the scripts fail: $(cat stdout)"
 says '^all passed'
-grep -q 'SCRIPT ERROR\|Parse Error:' errors && complain "Godot reports errors in a script: $(grep -A1 'SCRIPT ERROR' errors)"
+grep -q 'SCRIPT ERROR\|Parse Error:' errors &&
+    complain "Godot reports errors in a script: $(grep -A1 'SCRIPT ERROR' errors)"
 finish

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The add-on in Godot 4 for the web, in headless Chromium: what it shows is our own picture.
-# usage: test_godot4.sh PROGRAM [GODOT [FOLDER_FOR_PICTURES]]     GODOT: a folder with index.js and index.wasm of Godot 4
+# usage: test_godot4.sh PROGRAM [GODOT [FOLDER_FOR_PICTURES]]    GODOT: a folder with index.js, index.wasm of Godot 4
 here=$(cd "$(dirname "$0")" && pwd)
 source_folder=$(cd "$here/../../.." && pwd)
 source "$source_folder/tests/cli/support.sh"
@@ -58,21 +58,24 @@ ln -s "$godot"/index.* page
 node "$here/godot4/run.mjs" "$source_folder/web" page >stdout 2>stderr || complain "Godot fails: $(cat stdout)"
 says '^Godot Engine v4'
 says '^STEPS DONE'
-grep -q 'SCRIPT ERROR\|SHADER ERROR' stdout && complain "Godot reports errors: $(grep -A1 'SCRIPT ERROR\|SHADER ERROR' stdout)"
+grep -q 'SCRIPT ERROR\|SHADER ERROR' stdout &&
+    complain "Godot reports errors: $(grep -A1 'SCRIPT ERROR\|SHADER ERROR' stdout)"
 says 'broken.light.safetensors: .*truncated.*light is shown as baked'
 says 'foreign.light.safetensors: it was not baked with this file; light is shown as baked'
 # two ways to the same number: the node, whose light is a sum over the lights, and the probes as baked
-awk '/^PROBES/ { gsub(/[^-0-9. ]/, ""); found = $1 > 0.1 && ($1 - $4) ^ 2 < 1e-8 * $4 ^ 2 } END { exit !found }' stdout ||
+awk '/^PROBES/ { gsub(/[^-0-9. ]/, ""); found = $1 > 0.1 && ($1 - $4) ^ 2 < 1e-8 * $4 ^ 2 }
+    END { exit !found }' stdout ||
     complain "probes: $(grep PROBES stdout)"
 says 'OPENED broken.glb: OK, lights \["baked"\]'
 
-# agrees SHOWN OWN: medians do not see the lamp's border, which Godot does not smooth. In the dark, Godot's curve for sRGB is
-# up to two codes of 255 below the exact one, which is in the mean.
+# agrees SHOWN OWN: medians do not see the lamp's border, which Godot does not smooth. In the dark, Godot's curve for sRGB
+# is up to two codes of 255 below the exact one, which is in the mean.
 agrees() {
     succeeds compare "$2.png" "page/$1.png"
     awk -v name="$1" '/^mean_ratio/ { mean = $2 } /^median_relative_error/ { median = $2 }
-        END { print name ": mean " mean ", median error " median; exit !(mean > 0.95 && mean < 1.02 && median < 0.025) }' stdout \
-        || complain "$1 is not $2"
+        END { print name ": mean " mean ", median error " median
+            exit !(mean > 0.95 && mean < 1.02 && median < 0.025) }' stdout ||
+        complain "$1 is not $2"
 }
 for name in box map box-alone map-alone map-codes broken foreign; do agrees $name own; done
 for name in box-dim map-dim; do agrees $name own-dim; done

@@ -1,16 +1,17 @@
 ## What the JSON of a baked glTF file says about its light. Runs in Godot 3 and 4.
 ##
-## Each vertex gets an address: a set of texture coordinates with the column and row of its light in a texture. An engine may
-## reorder, duplicate or compress vertices; the address goes with them.
+## Each vertex gets an address: a set of texture coordinates with the column and row of its light in a texture. An
+## engine may reorder, duplicate or compress vertices; the address goes with them.
 
 const Platform = preload("platform.gd")
 const COLUMNS = 1024 # of the texture with the light of vertices
 const SETS = 8 # of texture coordinates that Godot 4 imports
 
 
-## @return a dictionary. `error` is one line, or "". `receivers` is "vertex", "texel" or "" for a file without baked light.
-## `light_scale` is the radiance of white at COLOR_0 = 1, W/(sr m2). For texels, `texture`, `set` (of texture coordinates)
-## and `intensity` of MOZ_lightmap, and `lit_materials`, their indices. For vertices, `receiver_count` and `set`, which the file does not use yet.
+## @return a dictionary. `error` is one line, or "". `receivers` is "vertex", "texel" or "" for a file without baked
+## light. `light_scale` is the radiance of white at COLOR_0 = 1, W/(sr m2). For texels, `texture`, `set` (of texture
+## coordinates) and `intensity` of MOZ_lightmap, and `lit_materials`, their indices. For vertices, `receiver_count` and
+## `set`, which the file does not use yet.
 static func describe(json):
 	var baked = {"error": "", "receivers": "", "receiver_count": 0, "set": 1, "light_scale": _light_scale(json)}
 	var materials = json.get("materials", [])
@@ -77,8 +78,8 @@ static func _vertex_count(json, primitive):
 	return int(accessors[accessor].get("count", -1)) if accessor >= 0 and accessor < accessors.size() else -1
 
 
-## Adds the addresses of vertices to the document, in one buffer of their own. Vertex colours become those that the vertices
-## had before the bake; the accessor with the light is kept in the extras.
+## Adds the addresses of vertices to the document, in one buffer of their own. Vertex colours become those that the
+## vertices had before the bake; the accessor with the light is kept in the extras.
 static func address_vertices(json, baked):
 	var values = []
 	for k in range(baked.receiver_count):

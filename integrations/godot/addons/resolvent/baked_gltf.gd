@@ -1,7 +1,8 @@
 ## Reads glTF files baked by `resolvent bake` with their light, in the editor and at run time.
 ##
-## At run time: `GLTFDocument.register_gltf_document_extension(BakedGltf.new(), true)`, then GLTFDocument as usual. The light
-## basis is expected beside the file: NAME.glb, NAME.light.safetensors. Without it, light is as baked and cannot change.
+## At run time: `GLTFDocument.register_gltf_document_extension(BakedGltf.new(), true)`, then GLTFDocument as usual. The
+## light basis is expected beside the file: NAME.glb, NAME.light.safetensors. Without it, light is as baked and cannot
+## change.
 @tool
 extends GLTFDocumentExtension
 

@@ -1,8 +1,8 @@
 ## The light of a baked scene: relights it by the strengths and colours of its lights.
 ##
-## The importer adds this node to each baked file. From a script: `$room/BakedLight.set_light("lamp", 0.2, Color.ORANGE)`. In
-## the inspector, each light has an energy and a colour, which animations may change. Instances of one imported scene share
-## their light.
+## The importer adds this node to each baked file. From a script: `$room/BakedLight.set_light("lamp", 0.2,
+## Color.ORANGE)`. In the inspector, each light has an energy and a colour, which animations may change. Instances of
+## one imported scene share their light.
 @tool
 extends Node
 

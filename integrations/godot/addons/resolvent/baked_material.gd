@@ -1,7 +1,7 @@
 ## Materials of surfaces with baked light, and of lamps that dim with their light.
 ##
-## A surface shows base colour * (1 - metallic) * irradiance / pi + emission, unshaded: the light is in the file. Irradiance is
-## the sum over the layers of a texture array, each times the factor of its light.
+## A surface shows base colour * (1 - metallic) * irradiance / pi + emission, unshaded: the light is in the file.
+## Irradiance is the sum over the layers of a texture array, each times the factor of its light.
 @tool
 extends RefCounted
 

@@ -5,9 +5,10 @@ const Platform = preload("platform.gd")
 
 ## Reads a basis.
 ##
-## @return a dictionary. `error` is one line, or "". Otherwise `names`, an array with the name of each light; `receivers`,
-## "vertex", "texel" or "probe"; `receiver_count`; `value_count`, numbers of each receiver; `bytes`, the file; `data`, the
-## byte where the F32 [lights, receivers, values] begin; and `turns`, `first_turn`, `rotation` (degrees) of a sky that turns.
+## @return a dictionary. `error` is one line, or "". Otherwise `names`, an array with the name of each light;
+## `receivers`, "vertex", "texel" or "probe"; `receiver_count`; `value_count`, numbers of each receiver; `bytes`, the
+## file; `data`, the byte where the F32 [lights, receivers, values] begin; and `turns`, `first_turn`, `rotation`
+## (degrees) of a sky that turns.
 static func read(path):
 	var bytes = Platform.read_file(path)
 	if bytes == null:

@@ -8,8 +8,8 @@ const LightBasis = preload("light_basis.gd")
 const LARGEST_HALF := 60000.0
 
 
-## @return a dictionary: `error`, one line, or ""; `texture`, a Texture2DArray of half floats, which every GPU can filter;
-## `unit`, the irradiance that 1 stands for, W/m2
+## @return a dictionary: `error`, one line, or ""; `texture`, a Texture2DArray of half floats, which every GPU can
+## filter; `unit`, the irradiance that 1 stands for, W/m2
 static func create(state: GLTFState, baked: Dictionary) -> Dictionary:
 	var size := _size(state, baked)
 	var receivers: int = baked.receiver_count if baked.receivers == "vertex" else size.x * size.y

@@ -1,7 +1,7 @@
 ## Lights objects that move by the probes of `resolvent bake --to probes`.
 ##
-## Set `source` to NAME.json in the editor, list the objects, and place the node where the baked scene is. If the probes were
-## baked with --basis and `baked_light` names the node of the scene, they follow its lights.
+## Set `source` to NAME.json in the editor, list the objects, and place the node where the baked scene is. If the probes
+## were baked with --basis and `baked_light` names the node of the scene, they follow its lights.
 @tool
 extends Node3D
 
@@ -122,7 +122,7 @@ func _relight(scene: Node) -> void:
 	var light := PackedFloat32Array()
 	light.resize(grid.light.size())
 	for k in light_basis.names.size():
-		var factor: Color = scene.factor(light_basis.names[k], k - light_basis.first_turn if k >= light_basis.first_turn else -1)
+		var factor: Color = scene.factor(light_basis.names[k], maxi(k - light_basis.first_turn, -1))
 		var layer: PackedFloat32Array = light_basis.layers[k]
 		for n in range(0, light.size(), 3):
 			light[n] += factor.r * layer[n]

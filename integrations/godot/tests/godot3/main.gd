@@ -1,4 +1,5 @@
-## Tests of the scripts that run in Godot 3 and 4: godot3 --path FOLDER -s main.gd. The environment names the baked files.
+## Tests of the scripts that run in Godot 3 and 4: godot3 --path FOLDER -s main.gd. The environment names the baked
+## files.
 extends SceneTree
 
 const LightBasis = preload("addons/resolvent/light_basis.gd")
@@ -108,7 +109,8 @@ func file_of(header, count):
 
 
 func refused(basis, words):
-	check(basis.error.find(words) >= 0 and basis.error.find("\n") < 0, "'" + basis.error + "' does not say '" + words + "'")
+	var said = basis.error.find(words) >= 0 and basis.error.find("\n") < 0
+	check(said, "'" + basis.error + "' does not say '" + words + "'")
 
 
 func test_hostile_bases(folder):

@@ -6,7 +6,8 @@ import sys
 
 
 def main(folder, out):
-    paths = sorted(os.path.relpath(os.path.join(at, name), folder) for at, _, names in os.walk(folder) for name in names)
+    files = (os.path.join(at, name) for at, _, names in os.walk(folder) for name in names)
+    paths = sorted(os.path.relpath(file, folder) for file in files)
     entries = [(f"res://{path}".encode(), open(os.path.join(folder, path), "rb").read()) for path in paths]
     padded = [name + bytes(-len(name) % 4) for name, _ in entries]
     start = 96 + 4 + sum(4 + len(name) + 36 for name in padded)

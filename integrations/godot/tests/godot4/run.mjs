@@ -1,4 +1,4 @@
-// Runs a project in Godot 4 in headless Chromium: run.mjs WEB FOLDER, where FOLDER has Godot's index.js and index.wasm, and
+// Runs a project in Godot 4 in headless Chromium: run.mjs WEB FOLDER, where FOLDER has Godot's index.js and index.wasm,
 // page.html and project.pck. Pictures that the project prints land in FOLDER/NAME.png; its other words are printed.
 import { writeFile, readFile } from "node:fs/promises";
 import { createServer } from "node:http";
