@@ -109,7 +109,7 @@ static void become_glass(const phong *p, rsv_material *material)
     material->thickness = 1;
     material->roughness = 0;
     material->ior = p->ior;
-        // programs disagree on whether the filter transmits or absorbs this colour; only its hue is safe
+    // programs disagree on whether the filter transmits or absorbs this colour; only its hue is safe
     material->base_color = hue_of(p->filter);
 }
 

@@ -145,7 +145,7 @@ cleanup:
 
 static rsv_status read_channel(reading *r, const rsv_gltf_channel *channel)
 {
-    if (channel->node == -1 || channel->path == RSV_GLTF_OTHER_PATH) return RSV_OK; // reported by notes
+    if (channel->node == -1 || channel->path == RSV_GLTF_OTHER_PATH) return RSV_OK; // in notes
     if (!refers(channel->node, r->document->node_count))
         return rsv_fail(RSV_ERROR_FORMAT, "animation '%s': node %d does not exist",
             r->animation->name, channel->node);

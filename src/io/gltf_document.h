@@ -126,7 +126,7 @@ typedef struct rsv_gltf_node {
     const int *child;
     size_t child_count;
     double local[16];                             ///< column-major, to the parent
-    double translation[3], rotation[4], scale[3]; ///< the parts of `local`, if the node has no matrix
+    double translation[3], rotation[4], scale[3]; ///< parts of `local` without a matrix
     bool has_matrix;
     const float *weight; ///< [weight_count] in place of those of the mesh; NULL = those
     size_t weight_count;

@@ -13,7 +13,7 @@ typedef struct rsv_gltf_joints {
     double (*matrix)
         [16]; ///< [count] bound vertex to world less `origin`, column-major; NULL = not made yet
     size_t count;
-    double origin[3]; ///< in the world, near the skinned vertices, so that floats keep their precision
+    double origin[3]; ///< in the world, near the vertices, so that floats keep their precision
 } rsv_gltf_joints;
 
 rsv_status rsv_gltf_joints_create(

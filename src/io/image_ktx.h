@@ -9,7 +9,7 @@
 typedef struct rsv_ktx_picture {
     uint32_t width, height, channel_count; ///< 3 or 4
     uint8_t *codes;                        ///< [height * width * channel_count], or NULL
-    float *values;                         ///< [height * width * channel_count], or NULL if there are codes
+    float *values;                         ///< of the same size; the other array is NULL
     bool are_codes;                        ///< `values` are codes of 16 bits over 65535, not linear
 } rsv_ktx_picture;
 

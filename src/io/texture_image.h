@@ -11,14 +11,14 @@ typedef enum rsv_texture_use {
     RSV_TEXTURE_GREY_IS_ALPHA, ///< the mean of the colours, unless the picture has alpha
     RSV_TEXTURE_GREY_IS_GREEN, ///< roughness; the other channels are 1
     RSV_TEXTURE_GREY_IS_BLUE,  ///< metalness; the other channels are 1
-    RSV_TEXTURE_ARE_NORMALS, ///< refused if the picture looks like heights, not like a normal map
+    RSV_TEXTURE_ARE_NORMALS,   ///< refused if the picture looks like heights
     RSV_TEXTURE_USES
 } rsv_texture_use;
 
 /// A picture file and the kind of texture to make of it.
 typedef struct rsv_texture_source {
     rsv_image_file file; ///< its path is also the texture's name
-    bool srgb;           ///< codes are sRGB colours; has no effect on pictures of radiance (.hdr, .exr)
+    bool srgb;           ///< codes are sRGB colours; pictures of radiance (.hdr, .exr) have none
     bool shines;         ///< keep values above 1, which are cut off otherwise
     rsv_texture_use use;
     /// With RSV_TEXTURE_GREY_IS_GREEN: if above 0, grey times this Phong exponent is converted to roughness.
