@@ -4,7 +4,7 @@
 
 /// A lobe's half vectors are spread by so much more over a square, about.
 #define SQUARE_ALPHA 0.05f
-/// Least cosine of what is seen: the middle of a square may lie below the horizon.
+/// Smallest cosine of a visible square: its centre may be below the horizon.
 #define LEAST_COSINE 0.02f
 
 /// A microsurface, its reflectance given by Schlick's approximation.
@@ -32,7 +32,7 @@ static int find_lobes(const rsv_bsdf *bsdf, rough_lobe *lobe)
     return count;
 }
 
-/// F D G1(wi): the response but for what depends on wo alone.
+/// F D G1(wi): the response without the factors that depend only on wo.
 static float reflect(const rough_lobe *lobe, float cos_o, float cos_i, float cos_oi)
 {
     float chord2 = f_max(2 + 2 * cos_oi, 1e-6f), sum = cos_o + cos_i; // of wo + wi
