@@ -137,6 +137,8 @@ RSV_INLINE rsv_fog_run rsv_fog_run_of(
         rsv_fog_integrate(&run);
         return run;
     }
+    const rsv_grid_line none = { { 0, 0, 0 }, { 0, 0, 0 } };
+    run.line = none;
     double height = (double)origin.y - fog->base_height, slope = direction.y;
     double crossing = slope != 0 && fog->scale_height < INFINITY ? -height / slope : begin;
     double middle = fmin(fmax(crossing, begin), end);

@@ -9,7 +9,7 @@ if(TARGET resolvent_program)
     if(RSV_OPENVDB)
         add_executable(make_volumes cli/make_volumes.cpp)
         target_include_directories(make_volumes SYSTEM PRIVATE ${OPENVDB_INCLUDE_DIR})
-        target_link_libraries(make_volumes PRIVATE ${OPENVDB_LIBRARY} ${OPENVDB_TBB_LIBRARY})
+        target_link_libraries(make_volumes PRIVATE ${OPENVDB_LIBRARY} ${OPENVDB_TBB_LIBRARY} PkgConfig::OPENEXR)
         set(volume_maker $<TARGET_FILE:make_volumes>)
     endif()
     add_test(NAME cli_volume COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_volume.sh
