@@ -218,7 +218,7 @@ static void a_ramp_follows_beer(void **state)
     (void)state;
     static const float ramp[8] = { 0, 0, 3, 3, 0, 0, 3, 3 };
     const rsv_volume_grid grid = { { 2, 2, 2 }, { -20, 0.5f, -20 }, { 20, 2.5f, 20 }, ramp };
-    const rsv_fog fog = medium(rgb(0.1f, 0.4f, 1), rgb_gray(0));
+    const rsv_fog fog = medium(rgb(0.1f, 0.3f, 0.6f), rgb_gray(0));
     world *w = world_begin(2);
     world_quad(
         w, world_lambert(w, 0, 1), v3(-99, 0, 99), v3(99, 0, 99), v3(99, 0, -99), v3(-99, 0, -99));
