@@ -39,12 +39,17 @@
 /// as in T; rough lobes lie between, where balance.h finds s. What refracts into a body is dimmed by L(wo);
 /// from inside a body the layers are not met.
 ///
+/// A clear coat may have normals of its own, m instead of n: it then reflects c R(m.wo) about m, and all that is
+/// below, as it would be under a coat along the surface, is scaled by (1 - c R(m.wo)) / (1 - c R(n.wo)). No energy is
+/// lost or gained but by light that the coat sends below the surface; as with all normal maps, f is not symmetric.
+///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
 /// functions then serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
 #include "../core/sampling.h"
+#include "../scene/coat_normal.h"
 #include "fresnel.h"
 #include "ggx.h"
 #include "resolvent/scene.h"
@@ -73,6 +78,8 @@ typedef struct rsv_bsdf {
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    bool tilted;                                ///< the clear coat has normals of its own
+    rsv_vec3 coat_normal;                       ///< unit, on the front; zero: n instead
     float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
