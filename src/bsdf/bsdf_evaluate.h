@@ -1,5 +1,5 @@
-/// Values and densities of rsv_bsdf's lobes. Each lobe is a density, the one it is drawn with, times a
-/// weight, so that both come out of one sum. Included by bsdf.h alone.
+/// Values and densities of rsv_bsdf's lobes. Each lobe is its sampling density times a weight, so that one sum gives
+/// both. Included only by bsdf.h.
 #ifndef RSV_BSDF_EVALUATE_H
 #define RSV_BSDF_EVALUATE_H
 
@@ -60,7 +60,7 @@ RSV_INLINE void rsv_add_metal(
     rsv_add_term(value, share * missing * cos_i / RSV_PI, rsv_bsdf_metal_again(bsdf));
 }
 
-/// Reflection at the dielectric interface, the coat's and the glass's alike.
+/// Reflection at the dielectric interface, for coats and glass.
 RSV_INLINE void rsv_add_interface_reflection(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
@@ -105,7 +105,7 @@ RSV_INLINE void rsv_add_sheet_transmission(
         rgb_mul(choice.transmitted, bsdf->base_color));
 }
 
-/// What glass scatters more than once.
+/// Multiple scattering in glass.
 RSV_INLINE void rsv_add_glass_again(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o, bool front)
 {

@@ -1,15 +1,14 @@
-/// What lies over the base of rsv_bsdf: sheen, and the clear coat on top. Included by bsdf.h alone.
+/// Layers over the base of rsv_bsdf: sheen, and the clear coat on top. Included only by bsdf.h.
 ///
-/// Sheen has the directional albedo c S(w), S(w) = (1 - cos)^k, in the one reciprocal form that knows no
-/// azimuth, c S(wi) S(wo) / (pi S_mean): light off fibres that stand up, brightest along the surface. k
-/// falls with roughness so that the albedo follows the one of Charlie (Estevez and Kulla 2017). Under a
-/// clear coat, S has the factor 1 - c R of that.
+/// Sheen has the directional albedo c S(w), S(w) = (1 - cos)^k, in the only reciprocal form without azimuth, c S(wi)
+/// S(wo) / (pi S_mean). It models upright fibres, which are brightest at grazing angles. k falls with roughness so that
+/// the albedo is close to that of Charlie (Estevez and Kulla 2017). Under a clear coat, S is multiplied by its 1 - c R.
 #ifndef RSV_BSDF_LAYERS_H
 #define RSV_BSDF_LAYERS_H
 
 #define RSV_LAYER_VALUES 9
 
-/// All that a layer is made of.
+/// The values of a layer.
 typedef struct rsv_layer_values {
     float value[RSV_LAYER_VALUES];
 } rsv_layer_values;
@@ -27,7 +26,7 @@ RSV_INLINE bool rsv_bsdf_has_rough_layers(const rsv_bsdf *bsdf)
     return !rgb_is_black(bsdf->sheen) || (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0);
 }
 
-/// Whether all channels are alike to the layers.
+/// Whether the layers treat all channels equally.
 RSV_INLINE bool rsv_bsdf_layers_are_gray(const rsv_bsdf *bsdf)
 {
     return bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
@@ -78,7 +77,7 @@ RSV_INLINE float rsv_bsdf_sheen_albedo(const rsv_bsdf *bsdf, float cos)
     return rgb_max(bsdf->sheen) > 0 ? powf(f_max(1 - fabsf(cos), 0), bsdf->sheen_power) : 0;
 }
 
-/// What the layers leave of light: as a chance, and per channel.
+/// Light that the layers transmit: as a probability, and per channel.
 typedef struct rsv_layer_passage {
     float chance;
     rsv_rgb light;
@@ -116,8 +115,8 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
-/// What layers leave of light off brushed metal: how that spreads is not tabulated, so that a little is lost where the less
-/// of both ways is taken, and nothing gained.
+/// Light off brushed metal that layers transmit. How it spreads is not tabulated. The smaller value of both directions
+/// is used, which loses a little energy and gains none.
 RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, float cos_i, float cos_o)
 {
     rsv_rgb i = rsv_bsdf_passage(bsdf, cos_i).light, o = rsv_bsdf_passage(bsdf, cos_o).light;
@@ -166,7 +165,7 @@ RSV_INLINE float rsv_bsdf_coated_sheen(const rsv_bsdf *bsdf, float cos)
     return rsv_bsdf_sheen_albedo(bsdf, cos) * (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos));
 }
 
-/// What the wide layers, those that look alike from all azimuths, send towards `wo` of even light.
+/// Light that the wide layers (those without azimuth) reflect towards `wo` under uniform illumination.
 typedef struct rsv_wide_layers {
     rsv_rgb sheen;
 } rsv_wide_layers;
@@ -179,7 +178,7 @@ RSV_INLINE rsv_wide_layers rsv_bsdf_wide_layers(const rsv_bsdf *bsdf, float cos_
 
 RSV_INLINE rsv_rgb rsv_wide_layers_albedo(const rsv_wide_layers *wide) { return wide->sheen; }
 
-/// sum + what they send of light from cos_i, times pi / cos_i
+/// sum + the light that they reflect from cos_i, times pi / cos_i
 RSV_INLINE rsv_rgb rsv_add_wide_layers(
     rsv_rgb sum, const rsv_bsdf *bsdf, const rsv_wide_layers *wide, float cos_i)
 {
@@ -217,7 +216,7 @@ RSV_INLINE float rsv_microsurface_width(float roughness)
     return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
 }
 
-/// Means over the hemisphere, 2 int f cos dcos, are sums of so many values of f.
+/// Number of samples of f in the mean over the hemisphere, 2 int f cos dcos.
 #define RSV_MEAN_NODES 8
 
 /// Gauss's rule in x = sqrt(cos), 4 int f x^3 dx. @return the weight of node k

@@ -1,8 +1,6 @@
-/// Sampling of rsv_bsdf: facets are drawn as they are visible, reflect or transmit by their
-/// reflectance, and count only if the light is not masked on its other leg; what is masked scatters
-/// again. Every step has the probability of the physical event, so no weights arise but colours, and
-/// under layers a(wi) / s(wo) of rough lobes (bsdf.h), which is 1 in the mean.
-/// Included by bsdf.h alone.
+/// Sampling of rsv_bsdf. Facets are drawn by visibility, and reflect or transmit by their reflectance. Light that is
+/// masked on its way out scatters again. Every step has the probability of the physical event, so weights are only
+/// colours and, under layers, a(wi) / s(wo) of rough lobes (bsdf.h), with a mean of 1. Included only by bsdf.h.
 #ifndef RSV_BSDF_SAMPLE_H
 #define RSV_BSDF_SAMPLE_H
 
@@ -16,9 +14,9 @@ typedef struct rsv_bsdf_draw {
     bool front;
     bool brushed;    ///< off brushed metal
     bool ideal;      ///< the direction comes from an ideal lobe
-    bool entered;    ///< it left through the coat diffusely: the weight knows the layers already
+    bool entered;    ///< it left through the coat diffusely: the weight already includes the layers
     int spread;      ///< RSV_SPREAD_* of the base's lobe
-    rsv_random rest; ///< numbers for what seldom needs them
+    rsv_random rest; ///< more random numbers, rarely needed
 } rsv_bsdf_draw;
 
 /// The next use of a number that lay below `split` (true) or above, stretched to [0, 1) again.
@@ -178,7 +176,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
     float cos_o = v3_dot(draw->n, draw->wo);
     float reflected = rsv_bsdf_coat_chance(bsdf, cos_o);
     if (rsv_split_number(&u, reflected)) {
-        // the chance is the mean over facets, so a facet is wanted that does reflect
+        // the probability is a mean over facets, so draw until one does reflect
         for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
             if (rsv_reflects_at_coat(draw, bsdf->alpha > 0 ? u : 0, &event)) return event;
             float u2 = rsv_random_float(&draw->rest), u1 = rsv_random_float(&draw->rest);
@@ -262,7 +260,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, f
     return rsv_draw_coated(draw, u);
 }
 
-/// What the layers leave of light that the base sent from `direction`.
+/// Light from the base in `direction` that the layers transmit.
 RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direction)
 {
     float cos_o = v3_dot(draw->n, draw->wo), cos_i = v3_dot(draw->n, direction);
@@ -351,7 +349,7 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     return event;
 }
 
-/// The coat alone, weighted by the chance that a facet reflects instead of drawn by it: most do not.
+/// The coat alone, weighted by the reflectance of facets instead of drawn by it, because most do not reflect.
 RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, float u2)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
@@ -366,7 +364,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, 
     return rsv_event(RSV_LOBE_REFLECT, wi, rgb_scale(choice.reflected, choice.reflect * visible));
 }
 
-/// What black glass reflects.
+/// Reflection of black glass.
 RSV_INLINE rsv_bsdf_event rsv_draw_black_glass(
     rsv_bsdf_draw *draw, float u_lobe, float u1, float u2)
 {

@@ -9,7 +9,7 @@ static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres"
     "cornell-marble", "cornell-plaster", "cornell-showcase", "character", "furnace", "two-rooms",
     "gallery", "terraces", NULL };
 
-/// What a scene is measured in, if its size can be chosen.
+/// Unit and range of a scene's size, if it can be chosen.
 typedef struct size_range {
     const char *unit;
     double standard, least, most;

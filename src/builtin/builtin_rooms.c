@@ -1,6 +1,6 @@
-/// Two closed rooms, a thin wall and a door ajar between them. Light is in the right room alone, the
-/// camera in the left. Floor, ceiling and long walls run on under the partition, and the partition
-/// reaches through them: the classic test for light leaks.
+/// Two closed rooms with a thin wall between them and a door ajar. There is light only in the right room, and the
+/// camera is in the left one. Floor, ceiling and long walls continue under the partition, and the partition cuts
+/// through them: the classic test for light leaks.
 #include "builtin.h"
 
 #define HEIGHT 2.8f

@@ -100,7 +100,7 @@ RSV_SHARED rsv_material rsv_material_at(
         m.base_color = rgb_mul(m.base_color, color);
         m.opacity *= rsv_vertex_color(scene, corner, u, v, 3);
     }
-    if (m.alpha_cutoff > 0) m.opacity = 1; // rays meet what is left of a cut-out surface only
+    if (m.alpha_cutoff > 0) m.opacity = 1; // rays only hit the remaining parts of a cut-out surface
     return m;
 }
 
@@ -117,7 +117,7 @@ RSV_SHARED rsv_rgb rsv_base_color_at(
     return color;
 }
 
-/// What textures and vertices make of the opacity.
+/// The opacity, multiplied by textures and vertex colours.
 RSV_INLINE float rsv_varied_opacity(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
 {

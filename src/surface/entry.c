@@ -43,7 +43,7 @@ void rsv_surface_entry_add(rsv_surface_entry *entry, const rsv_scene_view *scene
     entry->points++;
 }
 
-/// Mean over the hemisphere of what lies linearly between the places: 4 int f x^3 dx over x = sqrt(cos).
+/// Mean over the hemisphere of values linear between the samples: 4 int f x^3 dx with x = sqrt(cos).
 static rsv_rgb hemispherical_mean(const rsv_rgb mean[RSV_ENTRY_COS])
 {
     rsv_rgb sum = rgb_gray(0);

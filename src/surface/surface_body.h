@@ -1,4 +1,4 @@
-/// What textures make of a surface (surface.h).
+/// Textures of surfaces (surface.h).
 #ifndef RSV_SURFACE_BODY_H
 #define RSV_SURFACE_BODY_H
 
