@@ -97,9 +97,9 @@ typedef struct rsv_bsdf {
     rsv_rgb filmed[RSV_FILMED]
                   [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
-    float opacity;     ///< coverage; the rest of the light passes unchanged
-    bool solid;        ///< transmission refracts into a body
-    bool straight;     ///< same index as its surroundings, so that nothing refracts at any roughness
+    float opacity; ///< coverage; the rest of the light passes unchanged
+    bool solid;    ///< transmission refracts into a body
+    bool straight; ///< same index as its surroundings, so that nothing refracts at any roughness
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
