@@ -115,11 +115,15 @@ typedef struct settings {
 /// Whether nothing says how the picture is to be made.
 static bool is_planned(const settings *s)
 {
-    // plans know nothing of fog so far: they refuse it where they are asked for
-    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
-    if (s->environment.fog.medium && !asked) return false;
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
+}
+
+/// Plans cannot estimate the error of light in fog: they refuse it if one is asked for.
+static bool gives_up_plan(const settings *s, const rsv_scene *scene)
+{
+    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
+    return s->planned && !asked && rsv_scene_get_view(scene)->fog;
 }
 
 /// What does not go together.
@@ -652,7 +656,7 @@ static int run_sequence(cli_session *session, const settings *s)
     return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;
 }
 
-static int run(cli_session *session, const settings *s)
+static int run(cli_session *session, settings *s)
 {
     int exit_status = CLI_FAILURE;
     cli_stats stats = { .standard_error = NAN };
@@ -662,6 +666,7 @@ static int run(cli_session *session, const settings *s)
     float exposure = 0;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
+    if (gives_up_plan(s, subject.scene)) s->planned = false;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 

@@ -360,7 +360,9 @@ static rsv_scene *open_scene(
     if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
     if (!read_scene(session, name, is_file, &scene)) return NULL;
     rsv_status status = add_environment(session, scene, environment);
-    if (status == RSV_OK) status = rsv_scene_set_fog(scene, &fog);
+    // without --fog, a built-in scene keeps its own
+    if (status == RSV_OK && environment && environment->fog.medium)
+        status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load += cli_seconds() - started;
     if (status == RSV_OK) return scene;

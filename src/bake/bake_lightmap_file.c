@@ -15,7 +15,7 @@
 
 // ---- pictures -------------------------------------------------------------------------------------
 
-/// As MOZ_lightmap has it: sRGB, which leaves more codes to the dark.
+/// sRGB, as in MOZ_lightmap, which has more codes for dark values.
 static uint8_t code_of(float value)
 {
     return (uint8_t)(255 * rsv_srgb_encode((double)f_min(f_max(value, 0), 1)) + 0.5);
@@ -54,7 +54,7 @@ cleanup:
     return status;
 }
 
-/// A picture of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
+/// An image of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
 static rsv_status write_exr(
     const rsv_lightmap_bake *b, const char *output, const char *suffix, const rsv_rgb *texel)
 {
@@ -194,7 +194,7 @@ static void set_coordinates(rsv_bake_document *d, cJSON *primitive, int set, int
     }
 }
 
-/// Unlit materials show their colour, whatever the light.
+/// Unlit materials show their colour in any light.
 static bool is_unlit(const cJSON *material)
 {
     const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(material, "extensions");

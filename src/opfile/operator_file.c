@@ -1,4 +1,4 @@
-/// A solution as a file that stands alone.
+/// A solution as a self-contained file.
 #include "resolvent/opfile.h"
 
 #include "../core/team.h"
@@ -135,7 +135,7 @@ static rsv_status check_provenance(const rsv_tensor_file *file)
                                         : "solve the scene again");
 }
 
-/// Messages of other rooms do not know of the file.
+/// Adds the name of the file to messages of other rooms.
 static rsv_status name_file(const char *path, rsv_status status)
 {
     char message[768];
@@ -224,7 +224,7 @@ bool rsv_is_operator_file(const char *path)
 {
     uint8_t start[9];
     struct stat info;
-    // a pipe would keep us waiting for whoever writes to it
+    // opening a pipe would wait for its writer
     if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return false;
     FILE *file = fopen(path, "rb");
     bool read = file && fread(start, 1, sizeof start, file) == sizeof start;

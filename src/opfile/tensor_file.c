@@ -1,4 +1,4 @@
-/// What writing and reading have in common: the exchange of arrays, and checks.
+/// Shared by writing and reading: the exchange of arrays, and checks.
 #include "tensor_file.h"
 
 #include <math.h>
@@ -112,7 +112,7 @@ void rsv_tensor_divide(
     tensor->whole_begin = whole;
 }
 
-/// @param count RSV_ANY_COUNT, or how many rows there have to be
+/// @param count required number of rows, or RSV_ANY_COUNT
 static rsv_status check_shape(const rsv_tensor_file *file, const rsv_tensor *tensor,
     const char *name, rsv_tensor_type type, size_t width, size_t count)
 {

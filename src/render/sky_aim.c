@@ -4,7 +4,7 @@
 
 /// A lobe's half vectors are spread by so much more over a square, about.
 #define SQUARE_ALPHA 0.05f
-/// Least cosine of what is seen: the middle of a square may lie below the horizon.
+/// Smallest cosine of a visible square: its centre may be below the horizon.
 #define LEAST_COSINE 0.02f
 
 /// A microsurface about a normal, its reflectance given by Schlick's approximation.
@@ -36,7 +36,7 @@ static int find_lobes(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, rough_lobe 
     return count;
 }
 
-/// F D G1(wi): the response but for what depends on wo alone.
+/// F D G1(wi): the response without the factors that depend only on wo.
 static float reflect(const rough_lobe *lobe, rsv_vec3 wi, float cos_oi)
 {
     float cos_i = f_max(v3_dot(wi, lobe->normal), LEAST_COSINE);

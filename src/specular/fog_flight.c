@@ -55,7 +55,7 @@ static bool turn(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_
     path->direction = rsv_fog_draw_turn(fog->anisotropy, path->direction, random);
     path->events++;
     path->rays++;
-    return path->events < RSV_SPECULAR_MAX_EVENTS;
+    return rsv_specular_goes_on(path, random);
 }
 
 rsv_specular_path rsv_specular_in_air(
