@@ -1,4 +1,5 @@
-/// @file scene.h Scenes: meshes, materials, lights, cameras.
+/// @file scene.h
+/// Scenes: meshes, materials, lights, cameras.
 ///
 /// Create a scene, add to it, commit it. It is then constant, and all queries are thread-safe. Commit flattens
 /// instances into arrays of world-space triangles (rsv_scene_view), which the rest of the library reads.

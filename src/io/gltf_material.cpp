@@ -1,4 +1,4 @@
-/// glTF materials in the library's terms. docs/gltf.md says what becomes of each extension.
+/// Converts glTF materials to the library's. docs/gltf.md says how each extension is treated.
 #include "../scene/material_fields.h"
 #include "gltf_json.hpp"
 
@@ -183,7 +183,7 @@ void convert_extensions(const json &source, owned_material &to)
             number(member(coat, "clearcoatNormalTexture"), "scale", 1));
 }
 
-/// What no extension has, and what overrides extensions.
+/// Properties of the library's own that no extension has; they override extensions.
 void convert_extras(const json &source, owned_material &to)
 {
     const json &own = member(member(source, "extras"), "resolvent");
@@ -198,8 +198,8 @@ float mean_free_path(float color, float distance)
     return -distance / std::log(color);
 }
 
-/// A medium that scatters: what enters leaves near by, with the multiple-scattering colour as reflectance, after
-/// a mean free path that the attenuation of KHR_materials_volume tells.
+/// A scattering medium: light that enters leaves near by. The multiple-scattering colour becomes its reflectance; the
+/// mean free path comes from the attenuation of KHR_materials_volume.
 void convert_scatter(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;

@@ -1,5 +1,5 @@
-/// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean, weighted by
-/// angle, of the directions in which u increases on the triangles around it.
+/// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean,
+/// weighted by angle, of the directions in which u increases on the triangles around it.
 #include "../core/vec.h"
 #include "material_at.h"
 #include "scene.h"

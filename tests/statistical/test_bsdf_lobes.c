@@ -1,4 +1,4 @@
-/// What every surface must obey at any roughness and angle: energy, densities, reciprocity.
+/// Laws that every BSDF must obey at any roughness and angle: energy, densities, reciprocity.
 #include "bsdf_cases.h"
 #include "unit/slow_tests.h"
 
@@ -181,7 +181,7 @@ static void scattering_is_reciprocal(void **state)
     assert_int_equal(failures, 0);
 }
 
-/// What integrals above make use of: the plane of wo and the normal mirrors scattering.
+/// The integrals above rely on this: scattering is symmetric about the plane of wo and the normal.
 static void check_symmetry(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
     if (bsdf->brushed) return;
@@ -208,9 +208,9 @@ static void scattering_is_symmetric(void **state)
     assert_int_equal(failures, 0);
 }
 
-/// White and clear surfaces keep the weight of a path at 1, whatever happens to it. (Of coloured sheen,
-/// the channel that it reflects most.) What leaves a coated sheet diffusely keeps the factor of the coat there,
-/// T(wi) / T_mean, and rough lobes under layers keep a(wi) / s(wo): these are 1 in the mean only.
+/// White and clear surfaces keep the weight of a path at 1, whatever happens to it. (Coloured sheen does so in the
+/// channel that it reflects most.) Diffuse light that leaves a coated sheet has the factor T(wi) / T_mean of the coat,
+/// and rough lobes under layers have a(wi) / s(wo): these are 1 only in the mean.
 static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
     if (bsdf->passed > 0 || bsdf->film.share > 0) return; // a film has colours
