@@ -19,7 +19,8 @@ typedef struct rsv_vdb_header {
 
 /// Writes header and densities of the file's grid "density", or its first one of single numbers. In a child process alone:
 /// OpenVDB trusts files. Messages continue a sentence that begins with the file.
-rsv_status rsv_vdb_convert(const char *path, FILE *answer);
+/// Hidden, as all of the library's own, though its file is compiled with default visibility.
+__attribute__((visibility("hidden"))) rsv_status rsv_vdb_convert(const char *path, FILE *answer);
 
 #ifdef __cplusplus
 }
