@@ -155,6 +155,7 @@ static const char *const role_names[RSV_TEXTURE_ROLE_COUNT] = {
     [RSV_TEXTURE_TRANSMISSION] = "transmission",
     [RSV_TEXTURE_CLEARCOAT] = "clear coat",
     [RSV_TEXTURE_CLEARCOAT_ROUGHNESS] = "clear coat roughness",
+    [RSV_TEXTURE_CLEARCOAT_NORMAL] = "clear coat normal map",
     [RSV_TEXTURE_SHEEN_COLOR] = "sheen color",
     [RSV_TEXTURE_SHEEN_ROUGHNESS] = "sheen roughness",
     [RSV_TEXTURE_DIFFUSE_TRANSMISSION] = "diffuse transmission",

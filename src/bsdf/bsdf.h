@@ -37,12 +37,17 @@
 /// in T. Rough lobes lie between; balance.h finds s. Light that refracts into a body is dimmed by L(wo); light inside a
 /// body does not interact with the layers.
 ///
+/// A clear coat may have a normal m other than n. It then reflects c R(m.wo) about m, and everything below, computed as
+/// under a coat along the surface, is scaled by (1 - c R(m.wo)) / (1 - c R(n.wo)). Only light that the coat reflects
+/// below the surface is lost. As with all normal maps, f is not symmetric.
+///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces do not scale. The same functions
 /// therefore serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
 #include "../core/sampling.h"
+#include "../scene/coat_normal.h"
 #include "fresnel.h"
 #include "ggx.h"
 #include "resolvent/scene.h"
@@ -71,6 +76,8 @@ typedef struct rsv_bsdf {
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    bool tilted;                                ///< the clear coat has normals of its own
+    rsv_vec3 coat_normal;                       ///< unit, on the front; zero: n instead
     float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
@@ -90,9 +97,9 @@ typedef struct rsv_bsdf {
     rsv_rgb filmed[RSV_FILMED]
                   [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
-    float opacity;     ///< coverage; the rest of the light passes unchanged
-    bool solid;        ///< transmission refracts into a body
-    bool straight;     ///< same index as its surroundings, so that nothing refracts at any roughness
+    float opacity; ///< coverage; the rest of the light passes unchanged
+    bool solid;    ///< transmission refracts into a body
+    bool straight; ///< same index as its surroundings, so that nothing refracts at any roughness
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1

@@ -177,12 +177,10 @@ void convert_extensions(const json &source, owned_material &to)
         use_of(extension(source, "KHR_materials_anisotropy"), "anisotropyTexture"));
     float &ior = to.material.value.ior;
     if (ior == 0) ior = 1e3f; // stands for total reflection
-    if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())
-        add_note(to, "clearcoatNormalTexture is ignored: the coat has the normals of the material "
-                     "below");
-    else if (to.material.value.clearcoat > 0 &&
-             reference(member(source, "normalTexture"), "index") >= 0)
-        add_note(to, "its clear coat should be smooth over the normal map, and follows it instead");
+    const json &coat = extension(source, "KHR_materials_clearcoat");
+    if (to.material.value.clearcoat > 0)
+        add_texture(to, RSV_TEXTURE_CLEARCOAT_NORMAL, false, use_of(coat, "clearcoatNormalTexture"),
+            number(member(coat, "clearcoatNormalTexture"), "scale", 1));
 }
 
 /// Properties of the library's own that no extension has; they override extensions.
