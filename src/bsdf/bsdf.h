@@ -67,6 +67,7 @@ typedef struct rsv_bsdf {
     rsv_rgb entry_scale;   ///< 1 / T_mean
     rsv_rgb absorption;    ///< 1/m inside a solid body (Beer-Lambert)
     rsv_rgb emission;      ///< W/(sr m2)
+    float camera_emission; ///< share of it that cameras see directly
     rsv_rgb specular_tint; ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
@@ -90,9 +91,9 @@ typedef struct rsv_bsdf {
     rsv_rgb filmed[RSV_FILMED]
                   [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
-    float opacity;     ///< coverage; the rest of the light passes unchanged
-    bool solid;        ///< transmission refracts into a body
-    bool straight;     ///< same index as its surroundings, so that nothing refracts at any roughness
+    float opacity; ///< coverage; the rest of the light passes unchanged
+    bool solid;    ///< transmission refracts into a body
+    bool straight; ///< same index as its surroundings, so that nothing refracts at any roughness
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
@@ -101,6 +102,12 @@ typedef struct rsv_bsdf {
     bool unlit;
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
+
+/// Whether cameras see less of the emission than mirrors and other surfaces do.
+RSV_INLINE bool rsv_hides_emission(const rsv_bsdf *bsdf)
+{
+    return bsdf->camera_emission < 1 && (bsdf->emissive || bsdf->unlit);
+}
 
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
