@@ -94,7 +94,8 @@ static void compare(world *w, double expected, double noise)
 
 static void check_lamp(float camera_emission)
 {
-    compare(floor_below_lamp(camera_emission), camera_emission + (1 - COVERAGE) * floor_radiance());
+    compare(
+        floor_below_lamp(camera_emission), camera_emission + (1 - COVERAGE) * floor_radiance(), 0);
 }
 
 static void cameras_look_through_hidden_lamps(void **state)
@@ -107,7 +108,6 @@ static void cameras_see_a_share_of_the_emission(void **state)
 {
     (void)state;
     check_lamp(0.25f);
-    check_lamp(1);
 }
 
 /// What a camera sees of a lamp of radiance 1 that covers all behind it: straight, through a pane that passes half, or in
@@ -153,7 +153,6 @@ static void opaque_lamps_are_hidden_too(void **state)
     // each of the path tracer's samples passes the pane or not: four standard deviations
     double noise = 4 * 0.5 / sqrt(256.0 * SIDE * SIDE);
     compare(opaque_lamp(STRAIGHT, 0), 0, 0);
-    compare(opaque_lamp(BEHIND_A_PANE, 1), 0.5, noise);
     compare(opaque_lamp(BEHIND_A_PANE, 0.25f), 0.125, 0.25 * noise);
     compare(opaque_lamp(IN_A_MIRROR, 0), 1, 0);
 }
