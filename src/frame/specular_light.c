@@ -45,18 +45,14 @@ void rsv_add_stored(rsv_specular_light *l, rsv_rgb throughput, const rsv_ray_pac
     rsv_add_light(l, rgb_mul(throughput, shown));
 }
 
-/// Least cosine between a path and the camera's ray that counts as straight: positions are known to about 1e-6 of their
-/// distance.
-#define STRAIGHT 0.999999f
-
-/// Whether a path runs on straight from the camera, at most through panes and past surfaces that do not cover.
+/// Whether a path still runs along the camera's ray.
 static bool is_straight(const rsv_specular_light *l, const rsv_specular_path *path)
 {
     if (path->events == 0) return true;
     rsv_surface_point at =
         rsv_surface_point_at(l->scene->view, path->triangle, path->u, path->v, path->back);
     rsv_vec3 ray = l->parallel ? l->forward : v3_normalize(v3_sub(at.position, l->eye));
-    return v3_dot(ray, path->direction) > STRAIGHT;
+    return rsv_runs_straight(ray, path->direction);
 }
 
 void rsv_add_emission(

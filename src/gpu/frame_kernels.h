@@ -154,9 +154,8 @@ RSV_INLINE float rsv_frame_emission_seen(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, const rsv_bsdf *bsdf)
 {
     if (!rsv_hides_emission(bsdf)) return 1;
-    rsv_vec3 start = rsv_frame_camera_ray(a, at->pixel).direction, now = at->path.direction;
-    bool straight = start.x == now.x && start.y == now.y && start.z == now.z;
-    return straight ? bsdf->camera_emission : 1;
+    rsv_vec3 start = rsv_frame_camera_ray(a, at->pixel).direction;
+    return rsv_runs_straight(start, at->path.direction) ? bsdf->camera_emission : 1;
 }
 
 /// A specular path at a surface. @return the surface's light; its branches go to the slots of `item`

@@ -30,8 +30,7 @@ typedef struct tree {
 /// Share of the emission that is seen there.
 static float emission_seen(const tree *t, const rsv_specular_path *path)
 {
-    rsv_vec3 a = path->direction, b = t->start;
-    if (a.x != b.x || a.y != b.y || a.z != b.z) return 1;
+    if (!rsv_runs_straight(t->start, path->direction)) return 1;
     const rsv_scene_view *scene = t->lights->scene;
     return scene->material[scene->triangle_material[path->triangle]].camera_emission;
 }
