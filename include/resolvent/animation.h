@@ -1,4 +1,5 @@
-/// @file animation.h Animated scenes: a glTF file at any time of its animations.
+/// @file animation.h
+/// Animated scenes: a glTF file at any time of its animations.
 ///
 ///     rsv_animation *animation = NULL;
 ///     rsv_animation_open(context, "walk.glb", NULL, &animation);

@@ -1,4 +1,5 @@
-/// @file bake.h Bakes solved light into files for other programs: vertices, lightmaps, grids of probes.
+/// @file bake.h
+/// Bakes solved light into files for other programs: vertices, lightmaps, grids of probes.
 ///
 /// Starts from the scene's own glTF file, which scenes and operator files can keep (rsv_load_desc.keep_document). Only
 /// parts of its JSON change: nodes, animations, cameras, extras and unknown extensions stay as they are. Scenes without

@@ -1,4 +1,5 @@
-/// @file certify.h The error of a solution: a certificate that does not rely on how the solution was computed.
+/// @file certify.h
+/// The error of a solution: a certificate that does not rely on how the solution was computed.
 ///
 /// Let E~ be what rsv_light_irradiance returns at every point of every diffuse surface. Its residual
 ///

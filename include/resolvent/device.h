@@ -1,4 +1,5 @@
-/// @file device.h Applies and solves the operator on a GPU.
+/// @file device.h
+/// Applies and solves the operator on a GPU.
 ///
 /// Open a device once and pass it to a context (rsv_context_desc.device). Supported parts then run on the device, and
 /// the others on the CPU. Results are the same up to rounding. The device code is a plug-in that is loaded on demand,

@@ -1,4 +1,5 @@
-/// @file fit.h Strengths of lights for target readings: the inverse of rsv_light_relight and rsv_probe_irradiance.
+/// @file fit.h
+/// Strengths of lights for target readings: the inverse of rsv_light_relight and rsv_probe_irradiance.
 ///
 /// A reading is a sum over lights, each multiplied by its factor. The factors minimise
 ///     1/2 sum_i w_i (reading_i - wanted_i)^2 / mean(wanted)^2 + saving * power / power of all lights at their highest factors

@@ -1,4 +1,5 @@
-/// @file frame.h Pictures at interactive rates from a solution, in mode `operator`.
+/// @file frame.h
+/// Pictures at interactive rates from a solution, in mode `operator`.
 ///
 /// A renderer stores the light of all plain diffuse surfaces in one table, so that a pixel there costs a camera ray and
 /// a lookup. Mirrors, glass, textures and translucent surfaces also cost a specular path. A frame takes one sample per

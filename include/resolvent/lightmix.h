@@ -1,5 +1,6 @@
-/// @file lightmix.h Pictures of one view under changing strengths and colours of lights. The contribution of each
-/// source is rendered once and kept. Every further picture is a weighted sum of these, and traces no rays.
+/// @file lightmix.h
+/// Pictures of one view under changing strengths and colours of lights. The contribution of each source is rendered
+/// once and kept. Every further picture is a weighted sum of these, and traces no rays.
 #ifndef RESOLVENT_LIGHTMIX_H
 #define RESOLVENT_LIGHTMIX_H
 

@@ -1,5 +1,6 @@
-/// @file mover.h A rigid object that moves through a solved scene. It is lit by the scene and visible in it, but not
-/// part of the operator.
+/// @file mover.h
+/// A rigid object that moves through a solved scene. It is lit by the scene and visible in it, but not part of the
+/// operator.
 ///
 /// Direct light is traced at its vertices, with shadows of the scene and of the object. Indirect light comes from a
 /// grid of probes in spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001) that fills the scene. Probes are

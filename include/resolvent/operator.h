@@ -1,6 +1,7 @@
-/// @file operator.h The light-transport operator G K of a scene: for each pair of elements, the fraction of the light
-/// arriving at one that arrives at the other next. It is computed once and then constant, while lights (solve.h) are
-/// created and destroyed.
+/// @file operator.h
+/// The light-transport operator G K of a scene: for each pair of elements, the fraction of the light arriving at one
+/// that arrives at the other next. It is computed once and then constant, while lights (solve.h) are created and
+/// destroyed.
 ///
 /// Fields are [element_count] RGB values, in W/m2 if they are irradiances. All of these functions are thread-safe.
 #ifndef RESOLVENT_OPERATOR_H

@@ -1,5 +1,6 @@
-/// @file opfile.h Operator files. A solved operator is saved once, and then rendered, probed, certified and relit
-/// without tracing its rays again.
+/// @file opfile.h
+/// Operator files. A solved operator is saved once, and then rendered, probed, certified and relit without tracing its
+/// rays again.
 ///
 /// A file contains the scene, the elements, G, K, the sources and the solution. Its format is safetensors (a JSON
 /// header and flat arrays), which any language can read in a few lines. docs/operator-files.md lists all arrays.

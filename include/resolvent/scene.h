@@ -1,4 +1,5 @@
-/// @file scene.h Scenes: meshes, materials, lights, cameras.
+/// @file scene.h
+/// Scenes: meshes, materials, lights, cameras.
 ///
 /// Create a scene, add to it, commit it. It is then constant, and all queries are thread-safe. Commit flattens
 /// instances into arrays of world-space triangles (rsv_scene_view), which the rest of the library reads.
@@ -64,6 +65,8 @@ typedef enum rsv_texture_role {
     RSV_TEXTURE_IRIDESCENCE_THICKNESS,      ///< g: from iridescence_thickness_min to _max
     /// rg: direction in tangent space, 0..1 for -1..1, rotated by anisotropy_rotation; b: strength
     RSV_TEXTURE_ANISOTROPY,
+    /// rgb: like RSV_TEXTURE_NORMAL, of the clear coat; without it, the coat has interpolated normals
+    RSV_TEXTURE_CLEARCOAT_NORMAL,
     RSV_TEXTURE_ROLE_COUNT
 } rsv_texture_role;
 
@@ -73,7 +76,7 @@ typedef struct rsv_texture_ref {
     uint32_t texture;      ///< from rsv_scene_add_texture
     uint32_t uv_set;       ///< 0 or 1
     float transform[2][3]; ///< texture coordinate = transform * (u, v, 1)
-    float scale;           ///< RSV_TEXTURE_NORMAL: factor of the normal's x and y; others ignore it
+    float scale;           ///< of normal maps: factor of x and y; others ignore it
 } rsv_texture_ref;
 
 /// A reference to `texture` with uv set 0, an identity transform and a scale of 1.

@@ -1,4 +1,5 @@
-/// @file team.h Several processes that share one job, on one machine or many: `mpirun -n 8 resolvent solve ...`.
+/// @file team.h
+/// Several processes that share one job, on one machine or many: `mpirun -n 8 resolvent solve ...`.
 ///
 /// All processes run the same program with the same arguments. Each holds the scene, its elements and the fields on
 /// them. The rows of G, which take most of the memory and time, are divided among them. Processes exchange only exact

@@ -1,5 +1,6 @@
-/// @file update.h Solves a scene again after an edit: objects moved, added or removed, materials or lights changed.
-/// Everything that the edit cannot have affected is reused from the previous solution; the rest is computed again.
+/// @file update.h
+/// Solves a scene again after an edit: objects moved, added or removed, materials or lights changed. Everything that
+/// the edit cannot have affected is reused from the previous solution; the rest is computed again.
 ///
 ///     rsv_update_store *store = NULL;
 ///     rsv_update_store_create(context, &store);

@@ -232,7 +232,9 @@ rsv_status rsv_lightmap_bake_write(rsv_lightmap_bake *b, const char *output)
     for (uint32_t k = 0; k < b->parts.count; k++)
         if (rsv_bake_carries_light(b->s, &b->parts.part[k]))
             RSV_TRY(write_part(b, k, texture, set));
+#if !defined(RSV_WITHOUT_OPENEXR) // in web pages, the basis holds light in full precision
     RSV_TRY(write_exr(b, output, "lightmap", b->layout.map.light));
+#endif
     if (b->desc->ktx2) RSV_TRY(write_ktx2(b, output));
     if (b->desc->directional) RSV_TRY(write_directions(b, output));
     RSV_TRY(rsv_bake_document_write(&b->document, output));

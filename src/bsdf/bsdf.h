@@ -37,12 +37,17 @@
 /// in T. Rough lobes lie between; balance.h finds s. Light that refracts into a body is dimmed by L(wo); light inside a
 /// body does not interact with the layers.
 ///
+/// A clear coat may have a normal m other than n. It then reflects c R(m.wo) about m, and everything below, computed as
+/// under a coat along the surface, is scaled by (1 - c R(m.wo)) / (1 - c R(n.wo)). Only light that the coat reflects
+/// below the surface is lost. As with all normal maps, f is not symmetric.
+///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces do not scale. The same functions
 /// therefore serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
 #include "../core/sampling.h"
+#include "../scene/coat_normal.h"
 #include "fresnel.h"
 #include "ggx.h"
 #include "resolvent/scene.h"
@@ -72,6 +77,8 @@ typedef struct rsv_bsdf {
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    bool tilted;                                ///< the clear coat has normals of its own
+    rsv_vec3 coat_normal;                       ///< unit, on the front; zero: n instead
     float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power

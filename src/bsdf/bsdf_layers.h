@@ -51,6 +51,26 @@ RSV_LARGE float rsv_bsdf_clearcoat_albedo(const rsv_bsdf *bsdf, float cos)
                                  rsv_table_cos(cos));
 }
 
+/// The normal by which the clear coat reflects, on the side of n; n where light would end below the surface.
+RSV_INLINE rsv_vec3 rsv_bsdf_coat_normal(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n)
+{
+    if (!bsdf->tilted) return n;
+    rsv_vec3 own = bsdf->coat_normal;
+    if (v3_dot(own, n) < 0) own = v3_neg(own);
+    float cos = v3_dot(own, wo);
+    bool lost = cos <= 0 || 2 * cos * v3_dot(own, n) <= v3_dot(wo, n);
+    return lost ? n : own;
+}
+
+/// (1 - c R(m.wo)) / (1 - c R(n.wo))
+RSV_INLINE float rsv_bsdf_tilted_passage(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n)
+{
+    if (!bsdf->tilted) return 1;
+    float own = v3_dot(rsv_bsdf_coat_normal(bsdf, wo, n), wo), cos = v3_dot(n, wo);
+    return (1 - rsv_bsdf_clearcoat_albedo(bsdf, own)) /
+           f_max(1 - rsv_bsdf_clearcoat_albedo(bsdf, cos), 1e-6f);
+}
+
 /// S(w)
 RSV_INLINE float rsv_bsdf_sheen_albedo(const rsv_bsdf *bsdf, float cos)
 {
@@ -169,15 +189,20 @@ RSV_INLINE rsv_rgb rsv_add_wide_layers(
 /// About the largest albedo of a wide layer.
 RSV_INLINE rsv_rgb rsv_bsdf_wide_layers_most(const rsv_bsdf *bsdf) { return bsdf->sheen; }
 
-/// The layers' own lobes.
-RSV_INLINE void rsv_add_layers(
+RSV_INLINE void rsv_add_clearcoat(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
 {
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), largest = rgb_max(bsdf->sheen);
-    if (cos_i <= 0) return;
+    rsv_vec3 own = rsv_bsdf_coat_normal(bsdf, wo, n);
+    if (v3_dot(n, wi) <= 0 || v3_dot(own, wi) <= 0) return;
     if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
-        rsv_add_term(value, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, n), rgb_gray(1));
-    if (largest == 0) return;
+        rsv_add_term(
+            value, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, own), rgb_gray(1));
+}
+
+RSV_INLINE void rsv_add_sheen(rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    float largest = rgb_max(bsdf->sheen);
+    if (cos_i <= 0 || largest == 0) return;
     float density = rsv_bsdf_coated_sheen(bsdf, cos_i) * cos_i / (RSV_PI * bsdf->sheen_mean);
     rsv_add_term(value, largest * rsv_bsdf_coated_sheen(bsdf, cos_o) * density,
         rgb_scale(bsdf->sheen, 1 / largest));
@@ -223,6 +248,9 @@ RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_material *m)
 {
     bsdf->clearcoat = m->clearcoat;
     bsdf->clearcoat_alpha = rsv_microsurface_width(m->clearcoat_roughness);
+    bsdf->tilted = rsv_coat_has_own_normals(m);
+    // one surface has one ideal reflection, along n: the coat's lobe is narrow instead
+    if (bsdf->tilted) bsdf->clearcoat_alpha = f_max(bsdf->clearcoat_alpha, RSV_SMOOTH_ALPHA);
     bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
     bsdf->sheen = m->sheen_color;
     bsdf->sheen_power = 2 / f_max(m->sheen_roughness, 0.1f);

@@ -16,8 +16,6 @@ static const struct {
     [RSV_TENSOR_U64] = { "U64", 8 },
     [RSV_TENSOR_F32] = { "F32", 4 } };
 
-_Static_assert(sizeof(size_t) == 8, "row starts are written as they lie in memory");
-
 size_t rsv_tensor_type_bytes(rsv_tensor_type type) { return types[type].bytes; }
 const char *rsv_tensor_type_name(rsv_tensor_type type) { return types[type].name; }
 

@@ -6,6 +6,7 @@
 #define RSV_MATERIAL_AT_H
 
 #include "../core/vec.h"
+#include "coat_normal.h"
 #include "resolvent/scene.h"
 
 /// Flags of rsv_scene_view.material_varies.
@@ -62,15 +63,19 @@ RSV_SHARED float rsv_left_of_cut_out(
 RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
 
-/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, or set 0 as it stands.
+/// The same of the clear coat, whatever the map below it.
+RSV_SHARED rsv_vec3 rsv_mapped_coat_normal(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
+
+/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, the clear coat's, or set 0 as
+/// it stands.
 RSV_INLINE rsv_texture_ref rsv_tangent_ref(const rsv_material *m)
 {
     rsv_texture_ref ref = { RSV_TEXTURE_NORMAL, 0, 0, { { 1, 0, 0 }, { 0, 1, 0 } }, 1 };
-    for (size_t i = 0; i < m->texture_count; i++) {
-        if (m->textures[i].role == RSV_TEXTURE_ANISOTROPY) ref = m->textures[i];
-        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return m->textures[i];
-    }
-    return ref;
+    const rsv_texture_ref *found = rsv_find_texture(m, RSV_TEXTURE_NORMAL);
+    if (!found) found = rsv_find_texture(m, RSV_TEXTURE_ANISOTROPY);
+    if (!found) found = rsv_find_texture(m, RSV_TEXTURE_CLEARCOAT_NORMAL);
+    return found ? *found : ref;
 }
 
 /// Direction in which highlights of metal are stretched: the tangent, rotated by `rotation` radians; unit, or zero if

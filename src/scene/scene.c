@@ -1,6 +1,7 @@
 #include "scene.h"
 #include "../core/descriptor.h"
 #include "../core/vec.h"
+#include "coat_normal.h"
 #include "placed_luminaire.h"
 #include "punctual.h"
 
@@ -216,18 +217,11 @@ rsv_texture_info rsv_scene_texture_info(const rsv_scene *scene, uint32_t texture
     return (rsv_texture_info){ t->name, t->level[0].width, t->level[0].height, t->channel_count };
 }
 
-static const rsv_texture_ref *find_role(const rsv_material *material, rsv_texture_role role)
-{
-    for (size_t i = 0; i < material->texture_count; i++)
-        if (material->textures[i].role == role) return &material->textures[i];
-    return NULL;
-}
-
 /// Colours of invisible texels must not mix with those of visible ones.
 static void use_colours(rsv_scene *scene, const rsv_material *material)
 {
-    const rsv_texture_ref *color = find_role(material, RSV_TEXTURE_BASE_COLOR);
-    const rsv_texture_ref *opacity = find_role(material, RSV_TEXTURE_OPACITY);
+    const rsv_texture_ref *color = rsv_find_texture(material, RSV_TEXTURE_BASE_COLOR);
+    const rsv_texture_ref *opacity = rsv_find_texture(material, RSV_TEXTURE_OPACITY);
     if (color)
         rsv_texture_add_use(scene->context, &scene->texture[color->texture],
             opacity && opacity->texture == color->texture);

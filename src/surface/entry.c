@@ -8,6 +8,7 @@ bool rsv_coat_varies(const rsv_scene_view *scene, uint32_t material)
         case RSV_TEXTURE_BASE_COLOR:
         case RSV_TEXTURE_OPACITY:
         case RSV_TEXTURE_NORMAL:
+        case RSV_TEXTURE_CLEARCOAT_NORMAL:
         case RSV_TEXTURE_EMISSION:
         case RSV_TEXTURE_TRANSMISSION:
         case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
