@@ -128,8 +128,8 @@ RSV_LARGE rsv_response rsv_rough_mean_response(
     float seen = 0;
     for (uint32_t k = 0; k < s->turns; k++) { // evenly over the square (Roberts' sequence)
         float x = (float)k * 0.7548777f + u[0], y = (float)k * 0.5698403f + u[1];
-        rsv_vec3 normal = v3_mad(s->turn[0], x - floorf(x) - 0.5f, s->normal);
-        normal = v3_normalize(v3_mad(s->turn[1], y - floorf(y) - 0.5f, normal));
+        rsv_vec3 normal = v3_mad(s->normal, x - floorf(x) - 0.5f, s->turn[0]);
+        normal = v3_normalize(v3_mad(normal, y - floorf(y) - 0.5f, s->turn[1]));
         if (v3_dot(normal, s->wo) * v3_dot(s->normal, s->wo) <= 0) continue; // not to be seen
         rsv_bsdf_value value = rsv_rough_respond_by(s, normal, wi);
         seen++;
