@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Light below this share of the mean is dark: nobody sees relative errors there.
+/// Light below this share of the mean is dark: relative errors there are invisible.
 #define DARK 0.05
 /// Share of that below which no light comes to a place.
 #define BURIED 0.01

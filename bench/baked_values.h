@@ -1,4 +1,4 @@
-/// Values of a bake beside path-traced ones: some at random, and small windows of a map, texel by texel.
+/// Compares values of a bake with path-traced ones: some at random, and all texels in small windows of a map.
 #ifndef CLI_BAKED_VALUES_H
 #define CLI_BAKED_VALUES_H
 
@@ -15,9 +15,9 @@ typedef struct cli_baked_value {
     double reference, deviation; ///< luminance; of its mean
 } cli_baked_value;
 
-/// Which values are looked at, and what was found.
+/// The values to be compared, and their results.
 typedef struct cli_baked_values {
-    uint32_t random_count, window_count; ///< wanted, about
+    uint32_t random_count, window_count; ///< approximate numbers wanted
     cli_baked_value *value;
     size_t count, capacity;
     rsv_surface_place *place;
@@ -25,16 +25,16 @@ typedef struct cli_baked_values {
     bool exhausted;
 } cli_baked_values;
 
-/// What a judgement says of a bake. Errors are relative to the light there, or to a twentieth of the mean if that is more.
+/// Errors of a bake, relative to the light at each place, or to a twentieth of the mean if that is more.
 typedef struct cli_bake_judgement {
     size_t values; ///< at random
     size_t
-        buried; ///< of them, those that no light comes to, as within walls: nobody sees them, and they are not judged
+        buried; ///< of these, those that no light reaches, as within walls: invisible, and not judged
     double median, ninety, ninety_nine; ///< percentiles of the errors of values at random
     double noise;      ///< of the reference: the median error that it would find in a perfect bake
     double mean_ratio; ///< of all light, as baked, over path-traced
-    /// Texels of the largest connected part of a window that is off by more than a twentieth: in means of three by three
-    /// texels, beyond what noise explains (three standard deviations).
+    /// Texels of the largest connected part of a window whose error exceeds a twentieth: in means over three by three
+    /// texels, and beyond what noise explains (three standard deviations).
     size_t blotch;
 } cli_bake_judgement;
 

@@ -15,14 +15,14 @@ typedef struct cli_bar_group {
 } cli_bar_group;
 
 typedef struct cli_bars {
-    const char *title;                  ///< what the bars' height is
+    const char *title;                  ///< quantity that the height of the bars shows
     const char *series[cli_max_series]; ///< names; NULL after the last
     double scale;                       ///< values are shown times this
     cli_bar_group group[cli_max_groups];
     size_t group_count;
 } cli_bars;
 
-/// Says what went wrong on standard error.
+/// Prints errors on standard error.
 bool cli_write_bars(const char *path, const cli_bars *bars);
 
 #endif

@@ -268,7 +268,7 @@ static const benchmark *find_benchmark(const char *name)
 
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
-    cli_bench_task bench;   ///< what the benchmarks share
+    cli_bench_task bench;   ///< options shared by the benchmarks
     cli_size size;
     const char *csv, *plot, *mesh, *stats;
     cli_reading reading;
@@ -314,7 +314,7 @@ static void report(const benchmark *b, const settings *s, const cJSON *result)
     b->print(result);
 }
 
-/// The files that were asked for.
+/// Writes the files that were asked for.
 static bool write_files(const benchmark *b, const settings *s, const cJSON *results)
 {
     if (!cli_crew_speaks()) return true;

@@ -1,4 +1,4 @@
-/// Bakes beside path tracing: time, errors of texels and vertices, blotches, seams, bytes.
+/// Bakes compared with path tracing: time, errors of texels and vertices, blotches, seams, bytes.
 #include "baked_values.h"
 #include "command.h"
 #include "judged_view.h"

@@ -19,7 +19,7 @@ typedef struct grade {
     uint32_t elements, rays; ///< 0 = as the quality says
 } grade;
 
-/// From solutions that nobody would use to those that most will.
+/// From solutions too coarse for use to the usual ones.
 static const grade grades[] = {
     { "rough", RSV_QUALITY_DRAFT, 300, 64 },
     { "draft", RSV_QUALITY_DRAFT, 0, 0 },
@@ -56,7 +56,7 @@ static cJSON *describe_case(const grade *g, uint32_t seed, const rsv_light *solu
     return object;
 }
 
-/// Solves, certifies and compares. The first solution of a scene tells the truth where to stand.
+/// Solves, certifies and compares. The first solution of a scene decides where the reference is computed.
 static rsv_status measure_case(const cli_bench_task *bench, const rsv_scene *scene, const grade *g,
     uint32_t seed, rsv_truth **truth, cJSON *cases)
 {
@@ -117,7 +117,7 @@ void cli_print_certificate(const cJSON *result)
     }
 }
 
-/// All cases of all scenes against what a certificate claims.
+/// Statistics of all cases and scenes against the claims of certificates.
 typedef struct summary {
     size_t count, held;  ///< cases, and those whose bound holds
     double *bound, *off; ///< [count] bound over true error; |estimate / true - 1|

@@ -102,7 +102,7 @@ bool cli_write_cluster_csv(const char *path, const cJSON *scenes)
 
 enum { plot_width = 560, plot_height = 360 };
 
-/// What parts receive as a share of a field, over the number of parts.
+/// Data that parts receive, as a share of a field, over the number of parts.
 static void draw_scene(cli_plot *p, const cJSON *scene, const char *style)
 {
     const cJSON *division;

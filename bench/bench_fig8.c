@@ -77,7 +77,7 @@ static void find_faster(contest *c)
     c->faster = c->on_screen_s < c->by_rays_s ? c->on_screen : c->by_rays;
 }
 
-/// All by turns, so that whatever else the machine does meets all alike.
+/// Runs all contestants in alternation, so that other load on the machine affects all alike.
 /// @param first_to_last [repetitions] frames per second of the last mesh : of the first
 static void hold(contest *contests, uint32_t repetitions, double *first_to_last)
 {

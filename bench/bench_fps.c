@@ -1,4 +1,4 @@
-/// Frames per second: whole frames beside bare ray tracing, stereo, and whether frames leave anything behind.
+/// Frames per second: whole frames compared with bare ray tracing, stereo, and a search for leaks.
 #include "bars.h"
 #include "flown_frames.h"
 
@@ -52,7 +52,7 @@ static void add_median(cJSON *result, const char *name, double *values, uint32_t
 
 // ---- two eyes -----------------------------------------------------------------------------------
 
-/// What the second eye adds to a frame of one, as a share of that.
+/// Cost of the second eye as a share of a frame with one.
 static rsv_status measure_stereo(const rsv_light *solution, uint32_t frames, cJSON *result)
 {
     rsv_frame_renderer *one = NULL, *two = NULL;

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/// Wanted coarse elements; all else stays the same.
+/// Element targets; all other settings stay the same.
 static const uint32_t targets[] = { 500, 1000, 2000, 4000, 8000, 16000 };
 enum { target_count = sizeof targets / sizeof targets[0] };
 enum { reference_target = 30000, width = 160, height = 120, samples = 16 };
@@ -69,8 +69,8 @@ static rsv_status measure_case(
 
 static bool is_goal(const cJSON *one) { return cJSON_IsTrue(cJSON_GetObjectItem(one, "goal")); }
 
-/// Elements that solutions without a goal take for the same error: between their two nearest, on logarithmic scales.
-/// @param kind of error @return NAN beyond what was measured
+/// Number of elements for which a solution without a goal has the same error: interpolated on logarithmic scales.
+/// @param kind of error @return NAN outside the measured range
 static double elements_without_goal(const cJSON *result, const char *kind, double error)
 {
     double before[2] = { 0 };

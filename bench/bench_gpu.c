@@ -27,7 +27,7 @@ void cli_describe_device(cJSON *result)
     cJSON_AddNumberToObject(device, "processors", info->processors);
 }
 
-/// An application beside copies.
+/// An application of the operator compared with copies of memory.
 static rsv_status measure_operator(
     const cli_bench_task *bench, const rsv_light *solution, cJSON *result)
 {
@@ -95,7 +95,7 @@ static rsv_status measure_rows(const rsv_light *solution, cJSON *result)
     return status;
 }
 
-/// Direct light of the elements once more, likewise.
+/// The same for direct light of the elements.
 static rsv_status measure_direct(const rsv_light *solution, cJSON *result)
 {
     double seconds;

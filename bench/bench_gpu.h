@@ -6,7 +6,7 @@
 
 #include "resolvent/solve.h"
 
-/// Adds what the device is to a result.
+/// Adds a description of the device to a result.
 void cli_describe_device(struct cJSON *result);
 
 /// 1920x1080 frames of the scene's first camera, until they lie in the device's memory; a tenth of that a side on the

@@ -13,8 +13,8 @@
 /// The median error at which rays are compared.
 static const double aim = 0.01;
 
-/// What is compared: one level at the spacing down to which direct light is split, one of as many elements as direct
-/// light has, spread evenly, and two levels.
+/// The contestants: one level at the finest spacing of direct light, one level with as many elements as direct light
+/// has but evenly spread, and two levels.
 typedef enum curve { FINE_SPACING, AS_MANY, TWO_LEVELS, CURVES } curve;
 
 static const char *const curve_names[] = { "one, at the fine spacing", "one, as many elements",
@@ -22,7 +22,7 @@ static const char *const curve_names[] = { "one, at the fine spacing", "one, as 
 
 enum { side = 128, samples = 4 };
 enum { fewest_rays = 64, most_rays = 1024, fewest_elements = 250 };
-/// The reference has so many times the wanted elements and the rays of the quality.
+/// The reference has this many times the element target and the rays of the quality.
 enum { reference_factor = 2, reference_seed = 101 };
 
 /// Luminance of all orders of light from the first reflection on.
@@ -83,7 +83,7 @@ static indirect_error error_of(const double *reference, double *difference)
     return (indirect_error){ lit ? cli_median(difference, lit) : 0, sqrt(sum / square) };
 }
 
-/// What is left of an error without the reference's own: independent errors add in squares.
+/// The error without the reference's own share: independent errors add in squares.
 static double corrected(double error, double own)
 {
     return sqrt(fmax(error * error - own * own, 0));
@@ -167,8 +167,8 @@ static rsv_status measure_two(
     return status;
 }
 
-/// Rays for the error aimed at, between the two nearest cases on logarithmic scales; NAN if it was not reached. Where the
-/// first case is better already, its rays: there are no fewer.
+/// Rays for the error aimed at, between the two nearest cases on logarithmic scales; NAN if it was not reached. Where
+/// the first case is better already, its rays: there are no fewer.
 static double rays_at_aim(const cJSON *cases, curve of)
 {
     double before[2] = { 0 };
@@ -195,7 +195,7 @@ static rsv_status measure_all(const rsv_scene *scene, rsv_quality name, judge *j
     rsv_status status = take_picture(scene, &quality, 1, j->mean, &report);
     size_t many = report.direct_elements > report.rows ? report.direct_elements : report.rows;
     uint32_t fine = quality.element_target << (2 * quality.direct_levels);
-    quality.direct_level = false; // from here on, indirect light alone
+    quality.direct_level = false; // from here on only indirect light
     if (status == RSV_OK) status = make_judge(scene, &quality, j);
     if (status == RSV_OK) status = measure_one(scene, &quality, fine, j, FINE_SPACING, cases);
     if (status == RSV_OK) status = measure_one(scene, &quality, (uint32_t)many, j, AS_MANY, cases);

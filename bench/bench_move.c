@@ -1,4 +1,4 @@
-/// Relighting while somebody looks on: strengths of all lights changed, and one light moved.
+/// Interactive relighting: the strengths of all lights changed, and one light moved.
 #include "benchmarks.h"
 
 #include "resolvent/relight.h"
@@ -14,7 +14,7 @@ enum { body_triangles = 200000, most_sources = 64, most_steps = 1000 };
 /// Metres that the light moves by, to and fro.
 static const float stride = 0.01f;
 
-/// What one kind of change took, [repetitions] each.
+/// Times of one kind of change, [repetitions] each.
 typedef struct change_times {
     double *source_ms; ///< until E0 is that of the new lights
     double *solve_ms;  ///< until the residual is below 1e-3 of it
@@ -105,7 +105,7 @@ static rsv_status compare_moves(const cli_bench_task *bench, rsv_relighter *reli
     return status;
 }
 
-/// The first move sets up what the others share.
+/// The first move includes setup that the others share.
 static rsv_status measure_moves(const cli_bench_task *bench, const rsv_scene *scene,
     rsv_relighter *relighter, const change_times *t, cJSON *result)
 {

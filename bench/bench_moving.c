@@ -1,5 +1,5 @@
-/// An object that moves from frame to frame: a light that follows it, and light updated for each frame, beside solving each
-/// anew.
+/// An object that moves from frame to frame: light that follows it, and light that is updated for each frame, compared
+/// with solving each frame from scratch.
 #include "benchmarks.h"
 #include "light_difference.h"
 #include "moved_scene.h"
@@ -18,7 +18,7 @@
 enum { DEFAULT_FRAMES = 8, POINTS = 600, LAGS = 3 };
 static const uint32_t lag_frames[LAGS] = { 1, 2, 4 };
 
-/// The scene before anything moves, and what moves in it.
+/// The scene before anything moves, and its moving objects.
 typedef struct stage {
     const cli_bench_task *bench;
     rsv_scene *scene;
@@ -171,7 +171,7 @@ static double mean_of(const double *value, size_t count)
     return sum / (double)count;
 }
 
-/// What light that lags is off by, on average over the frames.
+/// Error of light that lags behind, averaged over the frames.
 static void add_lags(const stage *s, const readings *r, cJSON *result)
 {
     for (int n = 0; n < LAGS; n++) {

@@ -1,4 +1,5 @@
-/// Time to given errors of pictures: from the file, of another view, and under other light, beside mode `reference`.
+/// Time to given errors of pictures: from the file, of another view, and under other light, compared with mode
+/// `reference`.
 #include "judged_view.h"
 #include "room_files.h"
 #include "stats.h"
@@ -13,7 +14,7 @@
 static const double wanted[] = { 0.02, 0.005, 0.001 };
 enum { wanted_count = sizeof wanted / sizeof wanted[0] };
 
-/// Camera rays per pixel of the pictures that are measured, up to the first that errs less than all that is wanted.
+/// Camera rays per pixel of the measured pictures, up to the first with a smaller error than all targets.
 static const uint32_t ladder[] = { 1, 4, 16, 64 };
 enum { ladder_count = sizeof ladder / sizeof ladder[0], quality_count = 3 };
 
@@ -28,8 +29,8 @@ typedef struct curve {
     size_t count;
 } curve;
 
-/// Share of a scene's time that references may take, and what a picture with the next more camera rays takes at least, or a
-/// solution of the next quality.
+/// Share of a scene's time for references, and the least for a picture with more camera rays or a solution of the next
+/// quality.
 #define REFERENCE_SHARE 0.4
 #define NEXT_PICTURE 4
 /// A picture with four times the camera rays that errs by more than this part of the last: solutions err most of it.
@@ -47,7 +48,7 @@ typedef struct measurement {
     cJSON *points;
 } measurement;
 
-/// Whether there is time for what takes so long.
+/// Whether enough time is left for something that takes this long.
 static bool has_time(measurement *m, double seconds)
 {
     bool has = cli_seconds() + seconds < m->deadline;
@@ -55,7 +56,7 @@ static bool has_time(measurement *m, double seconds)
     return has;
 }
 
-// ---- what is measured ---------------------------------------------------------------------------
+// ---- measurements -------------------------------------------------------------------------------
 
 static void describe_point(
     const measurement *m, int quality, view_kind view, uint32_t samples, const curve *c)
@@ -103,8 +104,8 @@ static rsv_status climb(measurement *m, const rsv_light *light, int quality, vie
     return status;
 }
 
-/// Camera rays of the pictures that relit views are mixed from: those that reach the middle of the wanted errors, or the
-/// most that there are. 0 = no picture was taken.
+/// Camera rays of the pictures that relit views are mixed from: enough for the middle one of the target errors, or the
+/// most that were measured. 0 = no picture was taken.
 static uint32_t mixed_samples(const measurement *m, int quality)
 {
     const curve *c = &m->curve[quality][FIRST];
@@ -180,7 +181,7 @@ static rsv_status measure_quality(measurement *m, int quality)
     return status;
 }
 
-// ---- what follows -------------------------------------------------------------------------------
+// ---- derived figures ----------------------------------------------------------------------------
 
 /// Logarithmic between neighbouring pictures; more camera rays than were measured are not guessed at.
 static cli_cost cost_of_error(const curve *c, double error)
@@ -203,7 +204,7 @@ static cli_cost add(cli_cost a, cli_cost b)
     return (cli_cost){ a.seconds + b.seconds, a.cpu_seconds + b.cpu_seconds };
 }
 
-/// All that a picture takes whose error is known.
+/// Total cost of a picture of known error.
 static cli_cost cost_of(const measurement *m, int quality, view_kind view, double error)
 {
     cli_cost picture = cost_of_error(&m->curve[quality][view], error);
@@ -269,7 +270,7 @@ bool cli_bench_pictures(const cli_bench_task *bench, cJSON *result)
     return status == RSV_OK;
 }
 
-// ---- what is said -------------------------------------------------------------------------------
+// ---- output -------------------------------------------------------------------------------------
 
 static void print_number(const char *format, double value)
 {

@@ -39,7 +39,7 @@ bool cli_write_quality_csv(const char *path, const cJSON *scenes)
 
 enum { plot_width = 720, plot_height = 440 };
 
-/// Whole decades around what the points, and the reference continued to them, cover.
+/// Whole decades around the points and the extrapolated reference.
 static void fit_axes(cli_plot *p, const cJSON *points)
 {
     double low_time = INFINITY, high_time = 0, low_error = INFINITY, high_error = 0;

@@ -33,13 +33,13 @@ static const recipe recipes[] = {
 };
 enum { recipe_count = sizeof recipes / sizeof recipes[0] };
 
-/// What the pictures are held against, and how far it is itself from the truth.
+/// The reference for the pictures, and its own error.
 typedef struct judge {
     rsv_image *half[2], *mean; ///< two independent pictures, and their mean
     double median_error, relative_mse;
 } judge;
 
-/// What was measured of one recipe.
+/// Results of one recipe.
 typedef struct outcome {
     double seconds, cpu_seconds;
     rsv_image_difference difference;
@@ -139,7 +139,7 @@ static void add_pixels(rsv_image *sum, float weight, const rsv_image *image)
     }
 }
 
-/// Adds the pictures up by turns into two halves, each scaled to be a picture of its own, and into their mean.
+/// Adds the pictures alternately to two halves, each scaled to a picture of its own, and to their mean.
 static bool gather_halves(const cli_bench_task *bench, size_t count, judge *j)
 {
     for (size_t i = 0; i < count; i++) {
@@ -195,7 +195,7 @@ static void release_judge(judge *j)
     rsv_image_destroy(j->mean);
 }
 
-/// Squares of independent errors add; less than a hundredth of what was measured cannot be told from it.
+/// Squares of independent errors add; a difference below a hundredth of what was measured is not significant.
 static double square_without(double own, double measured)
 {
     return fmax(fmax(measured - own, 0.01 * measured), 1e-12);
@@ -215,7 +215,7 @@ static bool measure(const cli_bench_task *bench, const judge *j, const recipe *r
     rsv_image_destroy(image);
     double median = out->difference.median_relative_error;
     out->median_error = sqrt(square_without(j->median_error * j->median_error, median * median));
-    // less than its standard error cannot be told from none
+    // an error below its own standard error is not significant
     out->relative_mse = fmax(judgement.relative_mse, judgement.relative_mse_error);
     return measured;
 }

@@ -1,4 +1,4 @@
-/// One object moved: the scene solved again from what is kept of the solution before, beside solving it as a whole.
+/// One object moved: the scene solved again with data of the previous solution, compared with a solve from scratch.
 #include "benchmarks.h"
 #include "command.h"
 #include "light_difference.h"
@@ -59,7 +59,7 @@ static void add_cost(cJSON *result, const char *name, cost took)
     cJSON_AddNumberToObject(result, field, took.thread);
 }
 
-/// The moved scene: from what is kept, as a whole, and as a whole with other random numbers.
+/// The moved scene: from kept data, from scratch, and from scratch with other random numbers.
 static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, const char *rows,
     const char *earlier, cJSON *result)
 {
@@ -94,7 +94,7 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
     return status;
 }
 
-/// Solves `scene` once, then measures the moved one. @param made out: false if there is no place for what is kept
+/// Solves `scene` once, then measures the moved one. @param made out: false if the kept data cannot be stored
 static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *scene,
     const rsv_scene *moved, cJSON *result, bool *made)
 {

@@ -59,7 +59,7 @@ bool cli_bench_rooms(const cli_bench_task *bench, cJSON *result)
     return status == RSV_OK;
 }
 
-// ---- what is said -------------------------------------------------------------------------------
+// ---- output -------------------------------------------------------------------------------------
 
 void cli_print_rooms(const cJSON *result)
 {

@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-/// Squares of terraces are 25 cm: wanted elements are eight of them apart, before pilots refine them.
+/// Squares of terraces measure 25 cm: elements are meant to be eight of them apart, before pilots refine them.
 #define TRIANGLES_PER_ELEMENT 128
 
 static double processor_seconds(void)

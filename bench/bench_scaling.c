@@ -1,4 +1,4 @@
-/// Processes beside threads: this program, started anew by mpirun.
+/// Processes compared with threads: this program, started again by mpirun.
 #include "benchmarks.h"
 
 #include <cJSON.h>
@@ -43,7 +43,7 @@ static int start(char *const *argument, const int pipe_end[2], pid_t *process)
     return error;
 }
 
-/// What can be read up to the end. @return to be freed; NULL = out of memory
+/// Reads up to the end. @return to be freed; NULL = out of memory
 static char *read_all(int descriptor)
 {
     char *text = NULL, piece[4096];
@@ -59,8 +59,8 @@ static char *read_all(int descriptor)
     return fclose(all) == 0 ? text : NULL;
 }
 
-/// @param processor_seconds of the program and all that it started, out
-/// @return what it printed; NULL = it failed and said why, or cannot be started (errno)
+/// @param processor_seconds of the program and all its children, out
+/// @return what it printed; NULL = it failed and printed why, or cannot be started (errno)
 static cJSON *run_program(char *const *argument, double *processor_seconds)
 {
     int ends[2], exit_status = 1;
@@ -98,7 +98,7 @@ static cJSON *run_setup(const cli_bench_task *bench, const setup *s, double *pro
     return numbers;
 }
 
-// ---- what is measured ---------------------------------------------------------------------------
+// ---- measurements -------------------------------------------------------------------------------
 
 static void keep_least(cJSON *result, const char *name, double value)
 {
@@ -109,7 +109,7 @@ static void keep_least(cJSON *result, const char *name, double value)
         cJSON_SetNumberHelper(member, fmin(member->valuedouble, value));
 }
 
-/// Each setup once, what took least so far being kept. @return false: a run failed
+/// Runs each setup once and keeps the least times. @return false: a run failed
 static bool run_round(const cli_bench_task *bench, const setup *setups, size_t count, cJSON *list)
 {
     for (size_t k = 0; k < count; k++) {
@@ -126,7 +126,7 @@ static bool run_round(const cli_bench_task *bench, const setup *setups, size_t c
     return true;
 }
 
-/// Setups in turn, so that what else the machine does weighs on all of them alike.
+/// Runs setups in alternation, so that other load on the machine affects all alike.
 static bool run_rounds(const cli_bench_task *bench, const setup *setups, size_t count, cJSON *list)
 {
     for (size_t k = 0; k < count; k++) {
@@ -178,7 +178,7 @@ bool cli_measure_scaling(const cli_bench_task *bench, cJSON *result)
     return measure_strong(bench, strong) && (!grows || measure_weak(bench, weak));
 }
 
-// ---- what is printed ----------------------------------------------------------------------------
+// ---- output -------------------------------------------------------------------------------------
 
 static void print_runs(const char *title, const cJSON *list)
 {

@@ -1,4 +1,4 @@
-/// Bare shadow rays, beside which moved lights are timed.
+/// Bare shadow rays, the yardstick for moved lights.
 #include "benchmarks.h"
 
 #include "parallel.h"

@@ -13,7 +13,7 @@
 /// Relative residual that all solvers must reach.
 static const double goal = 1e-5;
 
-/// What a solver told: one row per residual.
+/// A solver's history: one row per residual.
 typedef struct history {
     double started;
     double *rows; ///< [count][3] applications, seconds, residual
@@ -36,7 +36,7 @@ static void remember(void *user, double applications, double residual)
     row[2] = residual;
 }
 
-/// The fastest of the repetitions. @return what they cost
+/// Times the fastest of the repetitions. @return what they cost
 static rsv_status time_solver(const rsv_light *solution, rsv_solver solver, uint32_t repetitions,
     history *fastest, rsv_solver_cost *cost)
 {
@@ -69,7 +69,7 @@ static cJSON *describe(rsv_solver solver, const rsv_solver_cost *cost, const his
     return object;
 }
 
-/// Applications are short: so many pairs of them and the bare loop are timed.
+/// Applications are short: this many pairs of one application and the bare loop are timed.
 enum { APPLICATION_PAIRS = 31 };
 
 static rsv_status measure_application(const rsv_light *solution, cJSON *result)
@@ -91,7 +91,7 @@ static rsv_status measure_all(const cli_bench_task *bench, const rsv_light *solu
     cJSON *solvers = cJSON_AddArrayToObject(result, "solvers");
     rsv_status status = measure_application(solution, result);
     for (rsv_solver solver = 0; rsv_solver_name(solver) && status == RSV_OK; solver++) {
-        if (solver == RSV_SOLVER_PETSC) continue; // asks for a team
+        if (solver == RSV_SOLVER_PETSC) continue; // needs a team of processes
         history h = { 0 };
         rsv_solver_cost cost = { 0 };
         status = time_solver(solution, solver, bench->repetitions, &h, &cost);

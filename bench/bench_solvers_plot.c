@@ -49,10 +49,10 @@ bool cli_write_solvers_csv(const char *path, const cJSON *scenes)
 
 enum { panel_width = 480, panel_height = 360, legend_height = 40 };
 
-/// The columns of a history, and what is plotted over them.
+/// The columns of a history: the x axes, and the quantity plotted.
 enum { applications, seconds, residual };
 
-/// Range of a column over all solvers of a scene, `decades` at most: what is below has no place on the axis.
+/// Range of a column over all solvers of a scene, at most `decades`: smaller values are not plotted.
 static void cover(cli_axis *axis, const cJSON *scene, int column, double decades)
 {
     double low = INFINITY, high = 0;

@@ -14,7 +14,7 @@ enum { packet_count = ray_count / RSV_PACKET_WIDTH };
 /// Each figure repeats its rays for at least this long and takes the fastest pass.
 static const double measuring_time = 0.6;
 
-/// One set of rays in both layouts, and what a pass over it does.
+/// One set of rays in both layouts, and the query that a pass makes.
 typedef struct workload {
     const rsv_tracer *tracer;
     rsv_ray *rays;           ///< [ray_count]
@@ -40,7 +40,7 @@ static rsv_vec3 cross(rsv_vec3 a, rsv_vec3 b)
 
 static rsv_vec3 unit(rsv_vec3 a) { return mad((rsv_vec3){ 0, 0, 0 }, 1 / sqrtf(dot(a, a)), a); }
 
-/// Uniform in [0, 1), a function of its arguments alone (SplitMix64, Steele et al. 2014).
+/// Uniform in [0, 1), a function of its arguments only (SplitMix64, Steele et al. 2014).
 static float random_number(uint64_t index, uint64_t dimension)
 {
     uint64_t z = 4 * index + dimension + 1;
@@ -104,7 +104,7 @@ static void make_bounce_rays(const workload *camera, rsv_ray *bounce)
     }
 }
 
-/// Segments between points the camera sees, in random pairs: what shadow rays and form factors ask.
+/// Segments between random pairs of points that the camera sees: the queries of shadow rays and form factors.
 static void make_segments(const rsv_ray *bounce, rsv_ray *segments)
 {
     for (uint32_t i = 0; i < ray_count; i++) {
@@ -129,7 +129,7 @@ static void fill_packets(const rsv_ray *rays, rsv_ray_packet *packets)
     }
 }
 
-/// Queries write to t_max, so every pass sets it anew.
+/// Queries overwrite t_max, so every pass resets it.
 static void set_lengths(rsv_ray_packet *packet, const rsv_ray *rays)
 {
     for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++)

@@ -13,18 +13,18 @@ struct cJSON;
 /// The quality of benchmarks that compare two.
 enum { BENCH_DRAFT_AND_MEDIUM = RSV_QUALITY_HIGH + 1 };
 
-/// What to measure, and with what.
+/// The subject of a measurement, and its settings.
 typedef struct cli_bench_task {
     cli_session *session;
-    const char *scene;           ///< file or built-in scene
-    cli_environment environment; ///< what surrounds it in bench quality
-    uint32_t threads;            ///< at least 1
-    uint32_t repetitions;        ///< what is timed is timed this often
-    uint32_t size;               ///< quality: pixels along each side; fig8: rows of them
-    cli_size frame_size;         ///< fps, rooms and pictures
-    cli_size judged_size;        ///< rooms: of frames that are compared with a reference
-    int gloss;                   ///< fps and rooms: an rsv_frame_gloss
-    uint32_t frames;             ///< fps and rooms: of the flight, 0 = what a few seconds hold
+    const char *scene;                   ///< file or built-in scene
+    cli_environment environment;         ///< surroundings of the scene in bench quality
+    uint32_t threads;                    ///< at least 1
+    uint32_t repetitions;                ///< of every timed step
+    uint32_t size;                       ///< quality: pixels along each side; fig8: rows of them
+    cli_size frame_size;                 ///< fps, rooms and pictures
+    cli_size judged_size;                ///< rooms: of frames that are compared with a reference
+    int gloss;                           ///< fps and rooms: an rsv_frame_gloss
+    uint32_t frames;                     ///< fps and rooms: length of the flight; 0 = a few seconds
     const char *assets, *cache, *strips; ///< rooms, pictures: folders; NULL = none
     uint32_t
         reference_samples; ///< quality, rooms, pictures: camera rays per pixel of the reference
@@ -34,19 +34,19 @@ typedef struct cli_bench_task {
     cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
 
-/// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, those of moving_scenes.h are rooms in
-/// which something moves, others are those of cli_open_scene. NULL after a message.
+/// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, those of moving_scenes.h are
+/// rooms in which something moves, others are those of cli_open_scene. NULL after a message.
 rsv_scene *cli_open_bench_scene(const cli_bench_task *bench);
 
-/// Opens the task's scene; the body of a built-in one has about so many triangles. NULL after a message.
+/// Opens the task's scene; the body of a built-in one has about this many triangles. NULL after an error message.
 rsv_scene *cli_open_bench_body(const cli_bench_task *bench, size_t triangles);
 
 /// Rays per second against one scene: single and in packets, coherent and not, nearest and any hit.
-/// Like the others, says what went wrong on standard error.
+/// Like the functions below, prints errors on standard error.
 bool cli_bench_trace(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_trace(const struct cJSON *result);
 
-/// Assembly of the operator's rows beside the ray tracer alone on the same rays, in one run.
+/// Assembly of the operator's rows compared with bare ray tracing of the same rays, in one run.
 bool cli_bench_assemble(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_assemble(const struct cJSON *result);
 
@@ -71,7 +71,7 @@ void cli_print_solvers(const struct cJSON *result);
 bool cli_write_solvers_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_solvers_plot(const char *path, const struct cJSON *scenes);
 
-/// Bounds and estimates of certificates beside true errors, over qualities and seeds.
+/// Bounds and estimates of certificates compared with true errors, over qualities and seeds.
 bool cli_bench_certificate(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_certificate(const struct cJSON *result);
 /// @param scenes the results as an array
@@ -79,8 +79,8 @@ void cli_print_certificate_summary(const struct cJSON *scenes);
 bool cli_write_certificate_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_certificate_plot(const char *path, const struct cJSON *scenes);
 
-/// Whole frames of a flight beside bare tracing of their camera rays; where repetitions are asked for, the price of a second eye,
-/// and what 10,000 frames leave behind.
+/// Whole frames of a flight compared with bare tracing of their camera rays. With repetitions, also the cost of a
+/// second eye, and whether 10,000 frames leak memory.
 bool cli_bench_fps(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_fps(const struct cJSON *result);
 bool cli_write_fps_csv(const char *path, const struct cJSON *scenes);
@@ -93,24 +93,24 @@ void cli_print_rooms_summary(const struct cJSON *scenes);
 bool cli_write_rooms_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_rooms_plot(const char *path, const struct cJSON *scenes);
 
-/// Time to given errors of pictures of rooms: from the file, of a second view, and relit, beside mode reference.
+/// Time to given errors of pictures of rooms: from the file, of a second view, and relit, compared with mode reference.
 bool cli_bench_pictures(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_pictures(const struct cJSON *result);
 void cli_print_pictures_summary(const struct cJSON *scenes);
 bool cli_write_pictures_csv(const char *path, const struct cJSON *scenes);
 
-/// Bakes beside path tracing: time, errors, blotches, seams, bytes.
+/// Bakes compared with path tracing: time, errors, blotches, seams, bytes.
 bool cli_bench_bake(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_bake(const struct cJSON *result);
 void cli_print_bake_summary(const struct cJSON *scenes);
 bool cli_write_bake_csv(const char *path, const struct cJSON *scenes);
 
-/// An object moved: solving again from what is kept of the solution before, beside solving as a whole.
+/// An object moved: a solve with data of the previous solution, compared with a solve from scratch.
 bool cli_bench_rebake(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_rebake(const struct cJSON *result);
 bool cli_write_rebake_csv(const char *path, const struct cJSON *scenes);
 
-/// A light moved, and the strengths of all changed: what that costs until E0 is right, and until E is.
+/// A light moved, and the strengths of all changed: the time until E0 is right, and until E is.
 bool cli_bench_move(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_move(const struct cJSON *result);
 bool cli_write_move_csv(const char *path, const struct cJSON *scenes);
@@ -118,7 +118,7 @@ bool cli_write_move_csv(const char *path, const struct cJSON *scenes);
 /// Shadow rays of neighbours towards one lamp in packets, and nothing else.
 typedef struct cli_shadow_rays cli_shadow_rays;
 
-/// From vertices of the scene that look towards the light. @param rays out, to be destroyed even after an error
+/// Shadow rays from vertices of the scene towards the light. @param rays out, to be destroyed even after an error
 rsv_status cli_shadow_rays_create(
     const rsv_scene *scene, rsv_vec3 light, size_t count, uint32_t threads, cli_shadow_rays **rays);
 void cli_shadow_rays_destroy(cli_shadow_rays *rays);
@@ -135,7 +135,7 @@ bool cli_write_fig8_plot(const char *path, const struct cJSON *scenes);
 bool cli_write_columns(
     const char *path, const struct cJSON *rows, const char *const *columns, size_t column_count);
 
-/// An object that moves from frame to frame: updates of its light beside solving anew.
+/// An object that moves from frame to frame: updates of its light compared with solving from scratch.
 bool cli_bench_moving(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_moving(const struct cJSON *result);
 bool cli_write_moving_csv(const char *path, const struct cJSON *scenes);
@@ -152,25 +152,25 @@ void cli_print_levels(const struct cJSON *result);
 bool cli_write_levels_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_levels_plot(const char *path, const struct cJSON *scenes);
 
-/// Time and memory of a solution over the size of a scene, at a spacing of elements that stays what it is.
+/// Time and memory of a solution over the size of a scene, at a constant spacing of elements.
 bool cli_bench_scale(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_scale(const struct cJSON *result);
 void cli_print_scale_summary(const struct cJSON *scenes);
 bool cli_write_scale_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_scale_plot(const char *path, const struct cJSON *scenes);
 
-/// How evenly rows can be divided among processes, and what those would have to tell each other.
+/// How evenly rows can be divided among processes, and how much data those would have to exchange.
 bool cli_bench_cluster(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_cluster(const struct cJSON *result);
 bool cli_write_cluster_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_cluster_plot(const char *path, const struct cJSON *scenes);
 
-/// Processes beside threads, and scenes that grow with the processes, where there is an mpirun. @param result also of
-/// cli_bench_cluster
+/// Processes compared with threads, and scenes that grow with the processes, if there is an mpirun. @param result also
+/// of cli_bench_cluster
 bool cli_measure_scaling(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_scaling(const struct cJSON *result);
 
-/// The GPU: the operator beside copies of memory, solvers, relighting by factors. Printed as a Markdown table.
+/// The GPU: the operator compared with copies of memory, solvers, relighting by factors. Prints a Markdown table.
 bool cli_bench_gpu(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_gpu(const struct cJSON *result);
 

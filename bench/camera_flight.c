@@ -72,7 +72,7 @@ static bool is_free(
     return true;
 }
 
-/// Sets how far the loop reaches: shares of what is free in each direction.
+/// Sets the extent of the loop, as shares of the free distance in each direction.
 static void spread_loop(cli_flight *flight, uint32_t station, const rsv_tracer *tracer)
 {
     const rsv_camera *c = &flight->station[station].camera;

@@ -17,8 +17,8 @@ typedef struct cli_flight {
 /// Frames that one loop takes: a cut to the next camera follows.
 enum { cli_flight_loop = 120 };
 
-/// From the scene's cameras. A scene without any is seen from the most open place inside, where walls surround it, or else as
-/// a whole from outside.
+/// From the scene's cameras. A scene without any is seen from the most open place inside, where walls surround it, or
+/// else as a whole from outside.
 rsv_status cli_flight_plan(const rsv_scene *scene, cli_flight *flight);
 
 /// Where the camera is in a frame; in frame 0, where the scene has its first one.

@@ -12,7 +12,7 @@
 
 enum { most_frames = 120, least_frames = 3 };
 
-/// What a flight takes where nobody says how many frames.
+/// Length of a flight if no number of frames is given.
 static const double flight_seconds = 3;
 
 double cli_processor_seconds(void)
@@ -22,7 +22,7 @@ double cli_processor_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// ---- what is flown through ----------------------------------------------------------------------
+// ---- the flight ---------------------------------------------------------------------------------
 
 /// Triangles of the body in a built-in scene.
 enum { body_triangles = 100000 };

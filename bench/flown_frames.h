@@ -1,4 +1,4 @@
-/// Frames of a flight through a solved scene, beside bare ray tracing of the same camera rays.
+/// Frames of a flight through a solved scene, compared with bare ray tracing of the same camera rays.
 #ifndef CLI_FLOWN_FRAMES_H
 #define CLI_FLOWN_FRAMES_H
 
@@ -10,14 +10,14 @@
 /// Frames of one flight at most.
 #define CLI_MOST_FLOWN 10000
 
-/// Opens the scene or operator file of a task, solves it if it is not, and says so in the result: "triangles", "elements",
-/// "solve_s", "load_s". False after a message.
+/// Opens the scene or operator file of a task, solves it if it is not, and says so in the result: "triangles",
+/// "elements", "solve_s", "load_s". False after a message.
 bool cli_open_solved(const cli_bench_task *bench, cli_subject *subject, struct cJSON *result);
 
-/// Flies and measures: "median_ms", "worst_ms", "bare_ms" (the median), "ratio" (of neighbours), "first_ms" (not among the
-/// others), "cpu_ms" and "ratio_cpu" (processor time, which others on the machine do not lengthen as much; the ratio of all frames), and
-/// "stages_ms", all medians.
-/// The task says the size, the way of gloss, and how many frames: 0 = as many as fit into a few seconds.
+/// Flies and measures, all as medians: "median_ms", "worst_ms", "bare_ms", "ratio" (of neighbouring frames), "first_ms"
+/// (not part of the others), "cpu_ms" and "ratio_cpu" (processor time, which other load on the machine lengthens less;
+/// the ratio of all frames), and "stages_ms". The task gives the size, the treatment of gloss, and the number of
+/// frames: 0 = as many as fit into a few seconds.
 rsv_status cli_fly(const cli_bench_task *bench, const rsv_light *light, struct cJSON *result);
 
 /// Seconds of all threads so far.

@@ -15,7 +15,7 @@
 
 enum { moving_frames = 10, resting_frames = 64, flicker_frames = 16, strip_columns = 6 };
 
-/// Frames that lie between the cut and what was seen before it.
+/// Frames between the cut and the previous view.
 enum { cut = 60 };
 
 typedef struct judge {
@@ -102,7 +102,7 @@ static rsv_status get_reference(judge *j, uint32_t index)
     return status;
 }
 
-/// Compares the last frame with the references. @param name of what it is, in the result
+/// Compares the last frame with the references. @param name prefix of the figures in the result
 static rsv_status judge_shown(const judge *j, const char *name, cJSON *result)
 {
     static const uint32_t layers[2] = { 0 };
@@ -128,7 +128,7 @@ static rsv_status judge_shown(const judge *j, const char *name, cJSON *result)
     return RSV_OK;
 }
 
-// ---- what is judged -----------------------------------------------------------------------------
+// ---- judgements ---------------------------------------------------------------------------------
 
 static rsv_status fly(judge *j, const cli_flight *flight)
 {
@@ -141,7 +141,7 @@ static rsv_status fly(judge *j, const cli_flight *flight)
     return status;
 }
 
-/// RMS of what a screen shows differently, up to white, over the mean of what it shows.
+/// RMS of the difference as a screen shows it, clipped at white, over the mean of the picture.
 static double visible_change(const rsv_image *a, const rsv_image *b)
 {
     const rsv_rgb *p = rsv_image_const_pixels(a, 0), *q = rsv_image_const_pixels(b, 0);

@@ -69,7 +69,7 @@ static rsv_status get_half(const cli_bench_task *bench, const rsv_scene *scene, 
     return status;
 }
 
-/// As many samples as are asked for, or as there is time for. References that are there take none.
+/// As many samples as are asked for, or as there is time for. References that exist already take no time.
 static void choose_samples(
     const cli_bench_task *bench, const char *name, double seconds, cli_judged_view *view)
 {

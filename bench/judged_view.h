@@ -20,15 +20,16 @@ typedef struct cli_judged_view {
     cli_size size;
     rsv_image *half[2];  ///< independent pictures of mode reference
     uint32_t samples;    ///< per pixel of each
-    uint32_t seed;       ///< of theirs, beside what all views share
+    uint32_t seed;       ///< of the references, in addition to what all views share
     double variance;     ///< relative MSE of one sample per pixel in that mode
     double pass_seconds; ///< of all processors, for one sample per pixel
     double pass_clock;   ///< likewise, by the clock
 } cli_judged_view;
 
 /// The scene's first camera, and another view: its second camera or a place of the benchmarks' flight.
-/// @param name of the scene, for files of the task's cache of references
-/// @param seconds by the clock that references may take: they have fewer samples then than the task asks for
+/// @param name of the scene, for files in the task's cache of references
+/// @param seconds of wall-clock time that references may take; if that is too short, they have fewer samples than asked
+/// for
 /// @param view out, [2]; to be destroyed even after an error
 rsv_status cli_judged_views_create(const cli_bench_task *bench, const rsv_scene *scene,
     const char *name, double seconds, cli_judged_view *view);

@@ -6,7 +6,8 @@
 /// Points at which solutions are compared.
 enum { POINTS = 200000 };
 
-/// Numbers in [0, 1) evenly over three dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+/// Numbers in [0, 1) evenly over three dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
 static void place_point(size_t k, double u[3])
 {
     static const double step[3] = { 0.8191725133961645, 0.6710436067037893, 0.5497004779019703 };

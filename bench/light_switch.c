@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// Frames after which nothing may be left, and that frames of the new light alone get, too.
+/// Number of frames after which no trace of the old light may be left, and number of frames that the new light alone
+/// gets.
 enum { most_steps = 200, remnant_frames = 3 };
 
 /// Milliseconds of a frame that orders of light may take, as in `resolvent view`.

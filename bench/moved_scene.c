@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// What is moved is smaller than this part of the scene.
+/// The moved object is smaller than this share of the scene.
 static const float largest_part = 0.1f;
 
 void cli_object_bounds(const rsv_scene *scene, uint32_t object, rsv_vec3 *low, rsv_vec3 *high)

@@ -4,8 +4,8 @@
 
 #include "resolvent/scene.h"
 
-/// The object of a scene that benchmarks move: the one of most triangles that is smaller in every direction than a tenth of
-/// the scene; the first of them. RSV_NONE = there is none.
+/// The object of a scene that benchmarks move: the one of most triangles that is smaller in every direction than a
+/// tenth of the scene; the first of them. RSV_NONE = there is none.
 uint32_t cli_find_movable_object(const rsv_scene *scene);
 
 /// Lower and upper ends of an object along each axis, metres.

@@ -9,7 +9,7 @@ typedef struct cli_axis {
     double low, high;   ///< powers of ten
     double from, to;    ///< pixels
     const char *format; ///< of a number: "%g s"
-    double unit;        ///< what the number counts: 0.01 for percent
+    double unit;        ///< value of one unit on the axis: 0.01 for percent
 } cli_axis;
 
 typedef struct cli_plot {

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/// Files in the folder of assets, and what surrounds them.
+/// Files in the folder of assets, and their surroundings.
 static const struct {
     const char *name, *file, *environment;
 } rooms[] = {
@@ -24,7 +24,7 @@ static const struct {
 
 enum { room_count = sizeof rooms / sizeof rooms[0] };
 
-/// The last part of a path, without what follows a point.
+/// The last part of a path, without its extension.
 static void name_file(const char *path, char name[64])
 {
     const char *slash = strrchr(path, '/');

@@ -1,4 +1,4 @@
-/// Scenes of benchmarks that are files of others: where they are, and what surrounds them.
+/// Scenes of benchmarks that are third-party files: their places and surroundings.
 #ifndef CLI_ROOM_FILES_H
 #define CLI_ROOM_FILES_H
 

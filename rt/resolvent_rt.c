@@ -4,7 +4,8 @@
 
 // ---- four floats ----------------------------------------------------------------------------------
 
-// Vector extensions of GCC and Clang become SSE, NEON or WebAssembly SIMD; RSV_RT_SCALAR asks for the twin without them.
+// Vector extensions of GCC and Clang become SSE, NEON or WebAssembly SIMD; RSV_RT_SCALAR asks for the twin without
+// them.
 #if defined(__GNUC__) && !defined(RSV_RT_SCALAR)
 typedef float float4 __attribute__((vector_size(16)));
 typedef float unaligned4 __attribute__((vector_size(16), aligned(4), may_alias));
@@ -106,7 +107,7 @@ rsv_rt_status rsv_rt_relight(const rsv_rt_basis *basis, const float *scale, uint
     return RSV_RT_OK;
 }
 
-/// The part of a number after the point, 0..1, also of negative ones; 0 of what is too large to have one.
+/// The fractional part of a number, 0..1, also for negative ones; 0 for numbers too large to have one.
 static float fraction(float a)
 {
     if (!(a > -1e6f && a < 1e6f)) return 0;
@@ -147,7 +148,8 @@ static rsv_rt_status check_numbers(const float *number, uint64_t count)
     return RSV_RT_OK;
 }
 
-/// Whether elements hang once each, and from those that are free or come earlier: no specular path of parents leads back.
+/// Whether elements hang once each, and from those that are free or come earlier: no specular path of parents leads
+/// back.
 /// @param waits [element_count] scratch: elements that hang and have not come yet
 static rsv_rt_status check_order(const rsv_rt_operator *t, uint8_t *waits)
 {
@@ -176,8 +178,9 @@ static rsv_rt_status check_hanging(const rsv_rt_operator *t, uint8_t *scratch)
     return status == RSV_RT_OK ? check_order(t, scratch) : status;
 }
 
-/// Albedo counts what leaves beside what entered, and rows what enters beside what arrives: only their product is a share
-/// of light, 1 at most. Rows of few rays are noisy; no noise makes this of it.
+/// Albedo relates the light that leaves to the light that entered; rows relate the light that enters to the light that
+/// arrives. Only their product is a share of light, at most 1. Rows with few rays are noisy, but never exceed 1 by as
+/// much as this.
 #define MOST_PASSED_ON 1.75f
 
 static rsv_rt_status check_energy(const rsv_rt_operator *t)
@@ -207,10 +210,10 @@ rsv_rt_status rsv_rt_operator_check(
     return status;
 }
 
-/// The fourth lane of an element's exitance tells whether it hangs: 0 or this.
+/// The fourth lane of an element's exitance is 0, or this if the element hangs.
 #define HANGS 1.0f
 
-/// K: what leaves an element.
+/// K: the light that leaves an element.
 static void scatter(const rsv_rt_solver *s, uint32_t element)
 {
     const float *e = s->irradiance + 3 * (size_t)element;
@@ -248,16 +251,17 @@ static float4 gather(const rsv_rt_solver *s, uint32_t row)
     return mul4(a, set4(t->scale[row], t->scale[row], t->scale[row], 0));
 }
 
-/// What is kept of a value that is not finite, or comes after one that was not: the first finite one of it, `other`, what
-/// was there, and 0. Each such step counts as the largest change there is.
+/// Replaces a value that is not finite, or whose predecessor was not, by the first finite one of `after`, `other` and
+/// `before`, or else by 0. Each such step counts as the largest change there is.
 static float mend(rsv_rt_solver *s, float before, float after, float other)
 {
     s->largest = FLT_MAX;
     return is_finite(after) ? after : is_finite(other) ? other : is_finite(before) ? before : 0;
 }
 
-/// What a value becomes; the largest change is noted. One that is not finite would stay so for ever, and spread.
-/// @param other in place of one that is not finite
+/// The new value of an irradiance; notes the largest change. A value that is not finite would remain for ever, and
+/// spread.
+/// @param other replaces one that is not finite
 static float settle(rsv_rt_solver *s, float before, float after, float other)
 {
     float change = after > before ? after - before : before - after;
@@ -452,7 +456,7 @@ rsv_rt_status rsv_rt_probe_at(
 
 void rsv_rt_sh_irradiance(const float *sh, const float n[3], float irradiance[3])
 {
-    // the basis functions, times pi, 2 pi / 3 and pi / 4: what a cosine keeps of each order
+    // the basis functions times pi, 2 pi / 3 and pi / 4, the convolution of each order with a cosine
     const float basis[RSV_RT_SH_COUNT] = { 0.88622693f, 1.02332671f * n[1], 1.02332671f * n[2],
         1.02332671f * n[0], 0.85808553f * n[0] * n[1], 0.85808553f * n[1] * n[2],
         0.24770796f * (3 * n[2] * n[2] - 1), 0.85808553f * n[0] * n[2],

@@ -129,7 +129,7 @@ const void *rsv_rt_file_array(rsv_rt_file *file, const char *name, const char *t
     return file->bytes + file->data + begin;
 }
 
-/// An array that must have so many numbers: 64 bits, as products of sizes in a file exceed 32.
+/// Finds an array that must have `wanted` values: 64 bits, as products of sizes in a file can exceed 32.
 static const void *sized(rsv_rt_file *file, const char *name, const char *type, uint64_t wanted)
 {
     size_t count;
@@ -245,7 +245,7 @@ static int apply_scales(rsv_rt_file *file, uint32_t lights, size_t floats, float
     return 0;
 }
 
-/// Every light by itself, and what the rows gathered.
+/// Adds every light by itself, and the light that the rows gathered.
 static int add_parts(rsv_rt_file *file, uint32_t lights, size_t floats)
 {
     char name[64];
@@ -299,7 +299,7 @@ int rsv_rt_file_receivers(
 
 // ---- baked bases ----------------------------------------------------------------------------------
 
-/// What is said of a basis's size: the shape of its array or, where it is packed, a note.
+/// Reads the size of a basis: the shape of its array or, if it is packed, a note.
 static int read_shape(rsv_rt_file *file, int packed, rsv_rt_basis *basis)
 {
     const char *name = "basis.value";
@@ -332,7 +332,8 @@ static float from_half(uint16_t half)
 }
 
 /// Green and blue are stored by how far their halves are from the channel before.
-/// @param plane [width][2][receivers] low bytes of a channel's differences, then high ones; on return those of its halves
+/// @param plane [width][2][receivers] low bytes of a channel's differences, then high ones; on return those of its
+/// halves
 static void join_planes(
     unsigned char *plane, size_t receivers, size_t width, float scale, float *value)
 {
@@ -352,7 +353,7 @@ static void join_planes(
     }
 }
 
-/// Zlib makes nothing smaller by more than this: a damaged file must not make us ask for any amount of memory.
+/// Zlib cannot compress by a larger factor: a damaged file must not make us allocate any amount of memory.
 #define MOST_DEFLATED 1100
 
 static int unpack_lights(
@@ -440,7 +441,7 @@ int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_prob
     return 0;
 }
 
-/// A number as files have it, with a point whatever the locale is: cJSON knows what strtof would read.
+/// Parses a number as files write it, with a point in any locale: cJSON does what strtof would not.
 static float number_of(const char *text)
 {
     cJSON *number = cJSON_Parse(text);

@@ -1,10 +1,11 @@
-/// What an engine does: reads a solved operator once, then follows its own lights from frame to frame, within a budget.
+/// The loop of an engine: reads a solved operator once, then follows its own lights from frame to frame, within a
+/// budget.
 ///
 ///     engine_loop OPERATOR.safetensors [FRAMES]
 ///
-/// The lights of the scene take turns. Direct light is theirs, light by light, as the file holds it; an engine may as well
-/// put its own there. Bounced light follows by 200,000 operations a frame, at the vertices that `resolvent bake --operator`
-/// names in its file; files of `resolvent solve` name none, and light stays at the elements.
+/// The lights of the scene are switched on in turn. Direct light comes from the file, light by light; an engine can
+/// supply its own instead. Bounced light follows at 200,000 operations per frame. It is shown at the vertices that the
+/// file names (`resolvent bake --operator`), or at the elements if it names none (`resolvent solve`).
 #include <resolvent_rt_file.h>
 
 #include <stdio.h>

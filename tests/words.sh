@@ -24,7 +24,7 @@ done
 
 while IFS=$'\t' read -r avoid better; do
     [[ -z $avoid || $avoid == \#* ]] && continue
-    found=$(grep -nE -e "$avoid" -- README.md CONTRIBUTING.md docs/*.md | sed "s|\$|    (write: $better)|") || continue
+    found=$(grep -nE -e "$avoid" -- README.md CONTRIBUTING.md docs/*.md docs/benchmarks/*.md | sed "s|\$|    (write: $better)|") || continue
     printf '%s\n' "$found"
     bad=1
 done <$here/words.txt

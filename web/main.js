@@ -7,6 +7,7 @@ import { Reflections } from "./reflections.js";
 import { LightBasis } from "./rt/runtime.js";
 import { BakedScene } from "./scene.js";
 import { Sky } from "./sky.js";
+import { Solving, hasSolver, nameStep } from "./solve.js";
 
 const element = (id) => document.getElementById(id);
 const name = new URLSearchParams(location.search).get("scene") ?? "scene/box";
@@ -47,14 +48,23 @@ function createRenderer() {
     }
 }
 
-async function loadBasis() {
-    const [module, file] = await Promise.all([fetchBytes("resolvent_rt.wasm"), fetchBytes(`${name}.light.safetensors`)]);
+/// A scene that lies beside the page, and what belongs to it.
+const served = {
+    name,
+    glb: () => fetchBytes(`${name}.glb`),
+    basis: () => fetchBytes(`${name}.light.safetensors`),
+    sky: `${name}.hdr`,
+};
+
+async function loadBasis(source) {
+    const [module, file] = await Promise.all([fetchBytes("resolvent_rt.wasm"), source.basis()]);
     return LightBasis.create(module, file);
 }
 
 /// Lets the visitor change the lights of a basis.
 function letLightsChange(basis, scene, sky, reflections, redraw) {
     scene.checkBasis(basis);
+    element("lights").replaceChildren();
     addControls(element("lights"), basis, (scales, degrees) => {
         scene.light.show(basis.relight(scales, degrees));
         basis.names.forEach((light, k) => scene.scaleLamps(light, scales[k]));
@@ -92,23 +102,38 @@ async function offerHeadset(renderer, draw) {
     document.body.append(VRButton.createButton(renderer));
 }
 
-async function main() {
-    const renderer = createRenderer();
-    if (!renderer) {
-        element("panel").hidden = true;
-        const instead = await showStill(1) ? ": here is a still picture instead" : `, and ${name}.png is missing`;
-        say(`This browser shows no WebGL${instead}.`);
-        return {};
-    }
-    const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
+/// Frees what a scene that is no longer shown has on the graphics card.
+function release({ world, controls, reflections }) {
+    controls.dispose();
+    reflections.dispose();
+    world.traverse(({ geometry, material }) => {
+        geometry?.dispose();
+        material?.map?.dispose();
+        material?.lightMap?.dispose();
+        material?.dispose();
+    });
+    world.background?.dispose?.();
+}
+
+/// Builds what is drawn of a scene. @param say takes what is wrong with its lights
+async function openScene(renderer, source) {
+    const scene = await BakedScene.load(await source.glb());
     const world = new THREE.Scene();
     world.add(scene.root);
-    const basis = await loadBasis().catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
-    const sky = basis?.names.includes("environment") ? await Sky.load(`${name}.hdr`, world) : null;
+    const basis = await loadBasis(source).catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
+    const sky = source.sky && basis?.names.includes("environment") ? await Sky.load(source.sky, world) : null;
     const { camera, controls } = createCamera(scene, renderer);
     const reflections = new Reflections(renderer, world, scene, camera.position.clone());
+    return { scene, world, basis, sky, camera, controls, reflections };
+}
+
+/// Shows a scene, and lets the visitor change it, in place of what was shown.
+function showScene(renderer, shown, view) {
+    const { scene, world, basis, sky, camera, controls, reflections } = view;
     const draw = () => renderer.render(world, camera);
-    const resize = () => {
+    if (shown.view) release(shown.view);
+    Object.assign(shown, { view, draw, basis });
+    shown.resize = () => {
         const { naturalWidth, naturalHeight } = element("still");
         const aspect = naturalWidth ? naturalWidth / naturalHeight : scene.camera.aspect;
         fitView(camera, scene.camera.fov, aspect, innerWidth, innerHeight);
@@ -121,25 +146,117 @@ async function main() {
         draw();
     };
     element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
-    element("compare").oninput = async () => {
-        controls.reset(); // the picture was taken from there
-        if (await showStill(Number(element("compare").value))) return;
-        element("compare").disabled = true;
-        say(`${name}.png is missing.`);
-    };
-    element("still").onload = resize;
     controls.addEventListener("change", draw);
-    addEventListener("resize", resize);
-    resize();
-    await offerHeadset(renderer, draw);
+    shown.resize();
     try {
         if (basis) letLightsChange(basis, scene, sky, reflections, draw);
     } catch (error) {
         say(`The lights cannot be changed: ${error.message}.`);
     }
+    element("exposure").oninput();
+    element("wireframe").onchange();
     reflections.update();
     draw();
-    return { basis, compareWith: (url) => compareWith(renderer, draw, url) };
+}
+
+/// The path-traced picture of the scene that lies beside the page.
+function letCompare(shown) {
+    element("compare").oninput = async () => {
+        shown.view.controls.reset(); // the picture was taken from there
+        if (await showStill(Number(element("compare").value))) return;
+        element("compare").disabled = true;
+        say(`${name}.png is missing.`);
+    };
+    element("still").onload = () => shown.resize();
+}
+
+/// A scene of the visitor's has no such picture.
+function endCompare() {
+    element("compare").parentElement.hidden = element("still").hidden = true;
+    element("still").removeAttribute("src");
+}
+
+// ---- scenes of the visitor --------------------------------------------------------------------------
+
+function offerFile(link, bytes, name) {
+    URL.revokeObjectURL(link.href);
+    link.href = URL.createObjectURL(new Blob([bytes]));
+    link.download = name;
+}
+
+function listNotes(notes) {
+    element("notes").hidden = notes.length === 0;
+    element("notes").querySelector("ul").replaceChildren(...notes.map((note) =>
+        Object.assign(document.createElement("li"), { textContent: note })));
+}
+
+/// Solves a file and shows it. @return (promised) seconds that it took, and on how many threads
+async function solveFile(file, renderer, shown) {
+    const start = performance.now();
+    const seconds = () => (performance.now() - start) / 1000;
+    element("message").hidden = element("saved").hidden = true;
+    element("work").hidden = false;
+    element("file").disabled = true;
+    const solving = new Solving(await file.arrayBuffer(), (phase, fraction) => {
+        element("progress").value = fraction;
+        element("step").textContent = `${nameStep(phase)}, ${seconds().toFixed(0)} s`;
+    });
+    element("step").textContent = "reading the scene";
+    element("cancel").onclick = () => solving.cancel();
+    try {
+        const { glb, basis, threads } = await solving.result;
+        const solved = seconds();
+        showScene(renderer, shown, await openScene(renderer, { glb: () => glb, basis: () => basis }));
+        endCompare();
+        const base = file.name.replace(/[.]glb$/i, "");
+        offerFile(element("save-scene"), glb, `${base}-lit.glb`);
+        offerFile(element("save-basis"), basis, `${base}-lit.light.safetensors`);
+        element("saved").hidden = false;
+        return { seconds: solved, threads };
+    } catch (error) {
+        say(error.message === "cancelled" ? "Cancelled: the scene before is still shown." : `${file.name}: ${error.message}.`);
+        return null;
+    } finally {
+        listNotes(solving.notes);
+        element("work").hidden = true;
+        element("file").disabled = false;
+        element("file").value = "";
+    }
+}
+
+/// Takes files that are chosen or dropped anywhere on the page, one at a time.
+async function letSolve(renderer, shown) {
+    if (!await hasSolver()) return;
+    element("open").hidden = false;
+    const take = (file) => {
+        if (!file || element("file").disabled) return;
+        shown.solved = solveFile(file, renderer, shown);
+    };
+    element("file").onchange = () => take(element("file").files[0]);
+    addEventListener("dragover", (event) => { event.preventDefault(); element("open").classList.add("over"); });
+    addEventListener("dragleave", () => element("open").classList.remove("over"));
+    addEventListener("drop", (event) => {
+        event.preventDefault();
+        element("open").classList.remove("over");
+        take(event.dataTransfer.files[0]);
+    });
+}
+
+async function main() {
+    const renderer = createRenderer();
+    if (!renderer) {
+        element("panel").hidden = true;
+        const instead = await showStill(1) ? ": here is a still picture instead" : `, and ${name}.png is missing`;
+        say(`This browser shows no WebGL${instead}.`);
+        return {};
+    }
+    const shown = {};
+    addEventListener("resize", () => shown.resize?.());
+    await letSolve(renderer, shown); // first: it works where the scene beside the page does not
+    showScene(renderer, shown, await openScene(renderer, served));
+    letCompare(shown);
+    await offerHeadset(renderer, () => shown.draw());
+    return Object.assign(shown, { compareWith: (url) => compareWith(renderer, shown.draw, url) });
 }
 
 // what tests wait for

@@ -19,6 +19,11 @@ export class Reflections {
         this.#timer = setTimeout(() => { this.update(); done(); }, REST);
     }
 
+    dispose() {
+        clearTimeout(this.#timer);
+        this.#target?.dispose();
+    }
+
     update() {
         clearTimeout(this.#timer);
         const { scene: { mirrors, exposure }, world } = this;

@@ -33,8 +33,8 @@ static bool is_later(const struct stat *a, const struct stat *b)
                                                   : a->st_mtim.tv_nsec > b->st_mtim.tv_nsec;
 }
 
-/// Whether an entry of the folder holds what was kept of another scene by this version of the program.
-/// @param path out: [PATH_MAX] of it
+/// Whether an entry of the folder holds rows of another scene, written by this version of the program.
+/// @param path out: [PATH_MAX] of the entry
 static bool is_other_scene(const cli_checkpoint *c, const char *name, char *path)
 {
     char version[64];
@@ -47,7 +47,7 @@ static bool is_other_scene(const cli_checkpoint *c, const char *name, char *path
            strcmp(path, c->rows) != 0 && lstat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/// Whether a solution was finished there, and left behind what it knew.
+/// Whether a solution was finished there, with its data kept for later.
 static bool is_finished(const char *path)
 {
     bool found = false;
@@ -58,8 +58,8 @@ static bool is_finished(const char *path)
     return found;
 }
 
-/// Finds the folder that was written to last of those for other scenes, of finished solutions if there are any: this
-/// scene before it was edited, most likely. If it is not, what it holds is of no use, and does no harm.
+/// Finds the most recently written folder of another scene, preferring finished solutions: most likely this scene
+/// before it was edited. If it is not, its contents are useless but harmless.
 static void find_earlier(cli_checkpoint *c)
 {
     struct stat latest = { 0 }, info;

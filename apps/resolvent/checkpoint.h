@@ -29,13 +29,13 @@ typedef struct cli_checkpoint {
     "                     DIR at any time\n"                                                       \
     "  --resume           fail unless DIR holds rows of this scene\n"
 
-/// Makes the folder for a scene's rows, and lets the solve use it. Does nothing where none is asked for.
-/// @return false after a message
+/// Makes the folder for a scene's rows, and has the solve use it. Does nothing if no folder was given.
+/// @return false, after an error message, on failure
 bool cli_checkpoint_prepare(
     cli_session *session, cli_checkpoint *checkpoint, const rsv_scene *scene, rsv_solve_desc *desc);
 
-/// After a solution is done: keeps what belongs to its scene and to the one before, and removes what is left of finished
-/// solutions of others.
+/// To be called once a solution is done: keeps the rows of its scene and of the previous one, and removes those of
+/// other finished solutions.
 void cli_checkpoint_prune(const cli_checkpoint *checkpoint);
 
 #endif

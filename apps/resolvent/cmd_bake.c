@@ -113,7 +113,7 @@ static bool is_volume(const char *target)
     return strcmp(target, "probes") == 0 || strcmp(target, "fog") == 0;
 }
 
-/// What the target makes of the output's name and of the other options.
+/// Checks the output's name and the other options against the target.
 static bool check_target(const settings *s, int *exit_status)
 {
     const char *extension = rsv_bake_target_extension(s->target);
@@ -178,7 +178,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return check_target(s, exit_status);
 }
 
-/// What a target does not have is 0.
+/// Prints figures of a bake; those that a target does not have are 0.
 static void print_report(const char *target, const rsv_bake_report *r)
 {
     if (r->vertices)
@@ -208,7 +208,7 @@ static void print_report(const char *target, const rsv_bake_report *r)
     if (r->lights) printf("lights      %zu\n", r->lights);
 }
 
-/// What came out, for the statistics.
+/// Describes the result for the statistics.
 static cJSON *describe(const settings *s, const rsv_bake_report *r)
 {
     cJSON *root = cJSON_CreateObject();
@@ -255,7 +255,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, &stats);
 }
 
-/// Before it is solved: what would fail only afterwards.
+/// Checks before the solve what would otherwise fail only after it.
 static bool has_surroundings(const settings *s, const rsv_scene *scene)
 {
     if (rsv_scene_get_view(scene)->environment) return true;
@@ -266,7 +266,7 @@ static bool has_surroundings(const settings *s, const rsv_scene *scene)
     return s->bake.turns == 1 && !s->bake.sky;
 }
 
-/// Whether an operator file was asked for what only tracing gives; says so.
+/// Refuses --checkpoint with an operator file: it is already solved, so there are no rows to save.
 static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
 {
     if (!subject->solution || !s->checkpoint.folder) return false;
@@ -325,7 +325,7 @@ static int run(cli_session *session, settings *s)
     return exit_status;
 }
 
-/// Whether none of the files beside the output (docs/bake.md) is one of those that the user gave.
+/// Whether none of the files written beside the output (docs/bake.md) would replace an input.
 static bool keeps_inputs(const settings *s)
 {
     static const char *const sides[] = { ".lightmap.exr", ".lightmap.ktx2", ".lightmap-x.exr",

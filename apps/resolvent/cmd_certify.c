@@ -59,7 +59,7 @@ typedef struct settings {
     bool goal, split;
 } settings;
 
-/// What a run found out.
+/// Results of a run.
 typedef struct findings {
     rsv_certificate certificate;
     rsv_goal_certificate goal;
@@ -110,7 +110,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-/// The certificate, and the picture of the error where one is wanted.
+/// Computes the certificate and, if wanted, the picture of the error.
 static rsv_status certify(
     const settings *s, const rsv_light *solution, rsv_certificate *certificate)
 {

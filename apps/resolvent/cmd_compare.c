@@ -43,7 +43,7 @@ typedef struct settings {
     bool json;
 } settings;
 
-/// Reads one picture and finds the layer in it; says what went wrong.
+/// Reads a picture and finds the layer in it; prints errors.
 static bool read_layer(
     cli_session *session, const char *path, const char *name, rsv_image **image, uint32_t *layer)
 {
@@ -60,7 +60,7 @@ static bool read_layer(
     return false;
 }
 
-/// What was found; `judgement` only with a twin.
+/// Results of a comparison; `judgement` only with a twin.
 typedef struct findings {
     rsv_image_difference difference;
     rsv_image_judgement judgement;

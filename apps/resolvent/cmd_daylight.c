@@ -54,7 +54,7 @@ static size_t reports_per_weather(const settings *s)
     return s->outputs.count % s->weather.count == 0 ? s->outputs.count / s->weather.count : 0;
 }
 
-/// As many reports for each weather file, by names that say what they are to be. @return the exit status
+/// Checks that there are as many reports as weather files, and that their extensions are known. @return the exit status
 static int check_lists(const settings *s)
 {
     if (!s->weather.count || !s->outputs.count)
@@ -114,7 +114,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return *exit_status == CLI_SUCCESS;
 }
 
-/// What a run works on.
+/// Input of a run.
 typedef struct daylight_job {
     cli_session *session;
     const settings *s;
@@ -162,7 +162,7 @@ static rsv_status solve_state(daylight_job *job, int state)
     rsv_solve_desc desc = cli_describe_solve(&job->s->solve);
     desc.goal_points = job->points.probe;
     desc.goal_point_count = job->points.count;
-    desc.photon_count = 0; // of lamps alone, which are off
+    desc.photon_count = 0; // photons come only from lamps, which are off
     desc.direct_level = false;
     rsv_status status = rsv_daylight_surround(job->scene[state], &job->weather[0], &job->desc);
     if (status == RSV_OK) status = rsv_light_create(job->scene[state], &desc, &job->light[state]);
@@ -346,7 +346,7 @@ static void describe(const settings *s, daylight_job *job)
         cli_note(job->session, "no --north given: north is assumed to be along -z");
 }
 
-/// Whether a file to be written can be, and is none of those that are read.
+/// Whether an output file can be written and is not one of the inputs.
 static bool check_file(const settings *s, const char *path)
 {
     bool good = cli_check_output(path) && cli_check_apart(path, s->points);

@@ -72,7 +72,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// What all but a thousandth of the pixels stay below; 1 for a black picture. Reorders a copy.
+/// The 99.9th percentile of the pixels; 1 for a black picture. Reorders a copy.
 static bool find_top(const float *luminance, size_t count, double *top)
 {
     float *sorted = malloc(count * sizeof *sorted);
@@ -87,7 +87,7 @@ static bool find_top(const float *luminance, size_t count, double *top)
     return true;
 }
 
-/// The scale that was asked for; says what is wrong with it.
+/// Chooses the scale that was asked for; prints an error if it is invalid.
 static bool choose_scale(
     const settings *s, const float *luminance, size_t count, luminance_scale *scale)
 {
@@ -181,7 +181,7 @@ static rsv_status to_image(rsv_context *context, const cli_canvas *canvas, rsv_i
     return status;
 }
 
-/// What is to be shown.
+/// The quantity to be shown.
 typedef struct field {
     uint32_t width, height;
     float *value; ///< [height * width]
@@ -239,7 +239,7 @@ static bool read_picture(cli_session *session, const settings *s, field *f)
     return good;
 }
 
-/// Illuminance on what a camera sees.
+/// Illuminance on the surfaces that a camera sees.
 static void read_surfaces(
     const settings *s, const rsv_light *light, const rsv_camera *camera, field *f)
 {

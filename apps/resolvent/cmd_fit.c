@@ -85,7 +85,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-// ---- what is wanted ---------------------------------------------------------------------------------
+// ---- targets ----------------------------------------------------------------------------------------
 
 static bool has_colors(const cli_points *p)
 {
@@ -115,7 +115,7 @@ static rsv_fit_wanted *list_wanted(const cli_points *p)
     return wanted;
 }
 
-// ---- what is found ----------------------------------------------------------------------------------
+// ---- results ----------------------------------------------------------------------------------------
 
 /// A name as a cell: in quotes where it holds a comma or quotes.
 static void print_cell(FILE *to, const char *name)

@@ -51,7 +51,7 @@ typedef struct settings {
     cli_solve_choice solve;
 } settings;
 
-/// What DGP says of a view (Wienold 2009).
+/// How DGP rates a view (Wienold 2009).
 static const char *verdict_of(double dgp)
 {
     return dgp < 0.35   ? "imperceptible"

@@ -31,7 +31,7 @@ static const char help[] =
     "  resolvent info --check room.glb\n"
     "  resolvent info cornell-blocks --json\n";
 
-/// What triangles amount to, by object and by material.
+/// Sums over triangles, by object and by material.
 typedef struct totals {
     double area; ///< m2
     size_t *object_triangles, *material_triangles;
@@ -96,7 +96,7 @@ static void add_triple(cJSON *object, const char *name, float x, float y, float 
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(values, 3));
 }
 
-/// A coordinate as the file has it: plus what was taken out of the scene.
+/// A coordinate as it stands in the file: the scene's, plus the scene's origin.
 static double placed(float value, double origin)
 {
     return origin == 0 ? tidy(value) : origin + tidy(value);
@@ -155,6 +155,7 @@ static const char *const role_names[RSV_TEXTURE_ROLE_COUNT] = {
     [RSV_TEXTURE_TRANSMISSION] = "transmission",
     [RSV_TEXTURE_CLEARCOAT] = "clear coat",
     [RSV_TEXTURE_CLEARCOAT_ROUGHNESS] = "clear coat roughness",
+    [RSV_TEXTURE_CLEARCOAT_NORMAL] = "clear coat normal map",
     [RSV_TEXTURE_SHEEN_COLOR] = "sheen color",
     [RSV_TEXTURE_SHEEN_ROUGHNESS] = "sheen roughness",
     [RSV_TEXTURE_DIFFUSE_TRANSMISSION] = "diffuse transmission",
@@ -293,7 +294,7 @@ static void add_clips(cJSON *root, const rsv_animation *animation)
     }
 }
 
-/// What --check found.
+/// Results of --check.
 typedef struct findings {
     bool wanted;
     rsv_finding *finding; ///< [count]
@@ -354,7 +355,7 @@ static bool print_json(const cli_session *session, const char *name, const cli_s
     return printed;
 }
 
-/// Prints a name from a file; what could steer a terminal becomes '?'.
+/// Prints a name from a file; control characters become '?', as they could steer a terminal.
 static void print_name(const char *name)
 {
     fputs("  ", stdout);
@@ -369,7 +370,7 @@ static void print_node(const char *node, const char *name)
     print_name(node);
 }
 
-/// Three coordinates; far from the origin as many digits as tell them apart.
+/// Prints three coordinates, far from the origin with as many digits as are needed to tell points apart.
 static void print_point(rsv_vec3 p, const double origin[3], int digits)
 {
     bool far = origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
@@ -585,7 +586,7 @@ static void print_findings(const cli_session *session, const findings *found)
     }
 }
 
-/// What is asked of a scene beside what it holds.
+/// The questions to answer about a scene, besides its contents.
 typedef struct request {
     const char *name;
     cli_environment environment;

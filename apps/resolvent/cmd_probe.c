@@ -103,7 +103,7 @@ static rsv_status solve(cli_session *session, const settings *s, const cli_point
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
-/// Reads receivers in the way that was asked for. @param subject solved, unless the mode is reference
+/// Reads receivers in the mode that was chosen. @param subject solved, unless the mode is reference
 static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
     size_t count, rsv_probe_reading *readings)
 {
@@ -143,7 +143,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, &stats);
 }
 
-/// Cylindrical illuminances: [points->count], to be freed; NULL = none, `status` says why.
+/// Cylindrical illuminances: [points->count], to be freed; NULL = none, or an error in `status`.
 static cli_lux *read_cylinders(
     const settings *s, const cli_subject *subject, const cli_points *points, rsv_status *status)
 {

@@ -80,17 +80,17 @@ typedef struct settings {
     rsv_light_aim aim[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_punctual_light add[CLI_LIST_CAPACITY];
     char *name[5 * CLI_LIST_CAPACITY]; ///< owned copies for the five above
-    rsv_relight_desc still;            ///< what options ask for
-    rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
+    rsv_relight_desc still;            ///< changes by options
+    rsv_relight_desc relight;          ///< changes by options and script at the current frame
 } settings;
 
-/// What all frames share: the file is read once.
+/// State shared by all frames: the file is read once.
 typedef struct stage {
     cli_subject subject;
     rsv_relighter *relighter;
     uint32_t camera, frame_count;
-    rsv_light_mix *mix; ///< frames are sums of what sources show; NULL = each is rendered
-    bool prepared;      ///< strengths alone change: what each source does by itself is known
+    rsv_light_mix *mix; ///< frames are sums of one picture per source; NULL = each is rendered
+    bool prepared;      ///< only strengths change, and the light of each source alone is known
     double time_relight, time_render;
     float exposure; ///< of .png: one for all frames
     char scene_name[256];
@@ -98,7 +98,7 @@ typedef struct stage {
 
 // ---- options --------------------------------------------------------------------------------------
 
-/// Where a light is to be added, of the scene's file: in double, as the scene may lie far from its origin.
+/// Position of an added light, in the file's coordinates: in double, as the scene may lie far from its origin.
 static rsv_vec3 place_of_added(const char *item, const rsv_scene *scene)
 {
     const double *origin = rsv_scene_get_view(scene)->origin;
@@ -135,7 +135,7 @@ static bool read_places(settings *s, size_t *names)
     return true;
 }
 
-/// The changes that options ask for; false after saying what is wrong.
+/// Reads the changes that options make; prints an error and returns false if one is invalid.
 static bool read_changes(settings *s)
 {
     float v[4];
@@ -256,7 +256,7 @@ static bool is_operator_name(const char *path)
 
 // ---- frames ---------------------------------------------------------------------------------------
 
-/// Changes of one frame: options first, what a script says of the same thing overrules them.
+/// Sets the changes for a frame: those of options first; a script's for the same property overrule them.
 static void enter_frame(settings *s, uint32_t frame)
 {
     s->relight = s->still;
@@ -341,7 +341,7 @@ static rsv_status render(const settings *s, const stage *on, rsv_image **image)
                : rsv_render(solution, &desc, image);
 }
 
-/// Everything after the solve; the picture is taken once, whatever number of files wants it.
+/// Writes all outputs after the solve; the picture is rendered once for all files.
 static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
 {
     char path[PATH_MAX];
@@ -392,7 +392,7 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
     return cli_write_stats(s->stats, session, &stats);
 }
 
-/// Whether frames differ in strengths alone, and want nothing but pictures: then each is a sum of what is known.
+/// Whether frames differ only in strengths and only pictures are written: then each is a sum of known pictures.
 static bool is_a_sum(const settings *s)
 {
     if (s->animation.first == s->animation.last) return false;
@@ -423,7 +423,7 @@ static bool is_worth_a_mix(const settings *s)
     return !s->body && frames > 2 * s->animation.track_count + 2;
 }
 
-/// What sources do by themselves, where each frame is a sum of it.
+/// Renders each source alone, if every frame is a sum of those pictures.
 static rsv_status prepare_sums(const settings *s, stage *on)
 {
     rsv_status status = RSV_OK;
@@ -436,7 +436,7 @@ static rsv_status prepare_sums(const settings *s, stage *on)
     return status;
 }
 
-/// Statistics speak of the last frame, exactly: a sum of what is known leaves the report of the solve as it was.
+/// Statistics describe the last frame exactly: sums of pictures have left the report of the solve unchanged.
 static bool finish_stats(cli_session *session, const settings *s, stage *on)
 {
     double started = cli_seconds();
@@ -446,7 +446,7 @@ static bool finish_stats(cli_session *session, const settings *s, stage *on)
     return status == RSV_OK && write_stats(session, s, on);
 }
 
-/// The exposure is that of the light as it was solved: what is changed shows.
+/// Exposes for the light as it was solved, so that changes are visible.
 static rsv_status set_exposure(cli_session *session, const settings *s, stage *on)
 {
     bool wanted = cli_writes_png(&s->outputs) && cli_exposes(session, s->scene, s->exposure);
@@ -455,7 +455,7 @@ static rsv_status set_exposure(cli_session *session, const settings *s, stage *o
     return cli_expose_light(session, true, on->subject.solution, on->camera, &on->exposure);
 }
 
-/// Opens the file, and sets up what frames share.
+/// Opens the file and sets up the state shared by frames.
 static bool set_stage(cli_session *session, const settings *s, stage *on)
 {
     if (!cli_open_subject(session, s->scene, NULL, &on->subject)) return false;
@@ -481,7 +481,7 @@ static bool set_stage(cli_session *session, const settings *s, stage *on)
     return status == RSV_OK;
 }
 
-/// Carries the light on to where nobody sees a difference, or, if it is to stay, to the end.
+/// Iterates until the light has converged, unless it has already.
 static rsv_status settle(const stage *on)
 {
     rsv_relight_progress progress = { 0 };
@@ -491,7 +491,7 @@ static rsv_status settle(const stage *on)
     return status == RSV_OK && !is_there ? rsv_relighter_refine(on->relighter) : status;
 }
 
-/// Makes the light what the frame wants.
+/// Changes the light to that of the frame.
 static rsv_status relight(const settings *s, stage *on)
 {
     double started = cli_seconds();

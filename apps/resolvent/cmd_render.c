@@ -104,7 +104,7 @@ typedef struct settings {
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
-    float fstop, focus; ///< 0 = a pinhole; what is in the middle
+    float fstop, focus; ///< fstop 0 = a pinhole; focus 0 = what is at the centre of the picture
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
@@ -112,17 +112,21 @@ typedef struct settings {
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
-/// Whether nothing says how the picture is to be made.
+/// Whether no option says how to make the picture, so that a plan decides.
 static bool is_planned(const settings *s)
 {
-    // plans know nothing of fog so far: they refuse it where they are asked for
-    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
-    if (s->environment.fog.medium && !asked) return false;
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
 }
 
-/// What does not go together.
+/// Plans cannot estimate the error of light in fog. They fail if one was asked for; otherwise they are not used.
+static bool gives_up_plan(const settings *s, const rsv_scene *scene)
+{
+    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
+    return s->planned && !asked && rsv_scene_get_view(scene)->fog;
+}
+
+/// Refuses options that exclude each other.
 static bool check_sequence(settings *s, int *exit_status)
 {
     bool at_time = isfinite(s->moment.time), in_sequence = s->sequence.frames != NULL;
@@ -262,7 +266,7 @@ static bool takes_the_film(const settings *s)
     return false;
 }
 
-/// What this build cannot do, and outputs that cannot be written, are said before the long work.
+/// Refuses, before the long work, what this build cannot do and outputs that cannot be written.
 static bool check_request(const settings *s)
 {
     if (!is_solved(s) &&
@@ -308,7 +312,7 @@ static uint32_t default_samples(const settings *s)
     return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->solve.quality];
 }
 
-/// Who asks for so many rays a pixel gets that many.
+/// Default noise target. If rays per pixel were given, they are used as they are.
 static float default_noise(const settings *s)
 {
     static const float by_quality[] = { 0, 0.2f, 0.1f };
@@ -349,8 +353,8 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     return true;
 }
 
-/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise or frames add
-/// up, and 12 for each layer.
+/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise or frames
+/// add up, and 12 for each layer.
 static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
 {
     bool sums = picture->mode == RSV_RENDER_OPERATOR && !picture->layers;
@@ -485,18 +489,18 @@ static rsv_status render(const settings *s, const rsv_render_desc *desc, const c
 
 // ---- sequences ------------------------------------------------------------------------------------
 
-/// What the frames of a sequence have in common.
+/// State shared by the frames of a sequence.
 typedef struct reel {
     cli_session *session;
     const settings *s;
     rsv_light *light;        ///< follows from frame to frame; NULL = none does
-    rsv_scene *base;         ///< whose light it was at first
-    bool cannot_follow;      ///< frames have other surfaces, or want what following light lacks
-    rsv_update_store *store; ///< what the last frame's light knew, where none follows
+    rsv_scene *base;         ///< the scene that the light was first solved for
+    bool cannot_follow;      ///< frames move surfaces, or need what a followed light lacks
+    rsv_update_store *store; ///< data of the last frame's solution, if lights do not follow
     rsv_solve_report sum;    ///< the last one's, with times and rays of all
     rsv_update_report kept;  ///< of all
     cli_stats stats;
-    float exposure; ///< of all frames: what shows the first one well
+    float exposure; ///< of all frames: chosen for the first one
 } reel;
 
 static void add_reports(reel *r, const rsv_solve_report *report, const rsv_update_report *kept)
@@ -517,7 +521,7 @@ static void add_reports(reel *r, const rsv_solve_report *report, const rsv_updat
     r->kept.seconds += kept->seconds;
 }
 
-/// The light of a frame, from what still holds of the one before.
+/// Solves the light of a frame, reusing what is still valid of the previous one.
 static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *picture)
 {
     rsv_update_report kept;
@@ -575,7 +579,7 @@ static rsv_status find_light(reel *r, cli_subject *subject, const rsv_render_des
     return update(r, subject, picture);
 }
 
-/// Frees what is of this frame alone.
+/// Frees what belongs to this frame only.
 static void close_frame(const reel *r, cli_subject *subject)
 {
     if (subject->solution == r->light) subject->solution = NULL;
@@ -652,7 +656,7 @@ static int run_sequence(cli_session *session, const settings *s)
     return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;
 }
 
-static int run(cli_session *session, const settings *s)
+static int run(cli_session *session, settings *s)
 {
     int exit_status = CLI_FAILURE;
     cli_stats stats = { .standard_error = NAN };
@@ -662,6 +666,7 @@ static int run(cli_session *session, const settings *s)
     float exposure = 0;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
+    if (gives_up_plan(s, subject.scene)) s->planned = false;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 

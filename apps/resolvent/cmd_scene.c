@@ -23,6 +23,8 @@ static const char help[] =
     "  gallery          a row of rooms with many lights; gallery:20 has 20 rooms (default 6)\n"
     "  terraces         stepped pyramids and wells under the sun; terraces:1e6 has about a million\n"
     "                   triangles (default 1e5)\n"
+    "  fog-rooms        two-rooms in fog, with a shaft of light from the door\n"
+    "  milk             a glass of milk on a table\n"
     "\n"
     "  -o FILE            the file to write\n" CLI_MESH_HELP "\n"
     "examples:\n"

@@ -189,7 +189,7 @@ static bool begin_state(viewer *v, const rsv_light *light)
     return true;
 }
 
-/// Sets the exposure by the first light that there is, and leaves it alone from then on.
+/// Chooses the exposure once, for the first solved light.
 static rsv_status expose(viewer *v)
 {
     float stops = 0;
@@ -273,7 +273,7 @@ static void open_animation(viewer *v)
     if (isfinite(session->moment.time) || !cli_view_is_playable(v->settings->scene)) return;
     if (rsv_animation_open(session->context, v->settings->scene, &load, &animation) != RSV_OK ||
         rsv_animation_clip_count(animation) == 0) {
-        rsv_animation_destroy(animation); // what is wrong is said when it is to be played
+        rsv_animation_destroy(animation); // errors are shown when it is to be played
         return;
     }
     session->animation = animation;
@@ -285,7 +285,7 @@ static bool open_light(viewer *v)
     const settings *s = v->settings;
     open_animation(v);
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
-    v->session->moment = CLI_AT_REST; // of the scene alone
+    v->session->moment = CLI_AT_REST; // the moment is the scene's only
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
     cli_progress_clear(&v->session->progress);
     return must_await(v) ? await_light(v) : begin_show(v);
@@ -299,7 +299,7 @@ static uint32_t count_frames(const viewer *v)
     return scripted ? scripted : 1;
 }
 
-/// What can be wrong at once is said before the long work.
+/// Checks everything that can be checked before the long work.
 static bool open_viewer(viewer *v)
 {
     const settings *s = v->settings;
@@ -327,13 +327,12 @@ static void close_viewer(viewer *v)
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
     free(v->time_ms);
-    if (v->made_folder)
-        rmdir(v->settings->record); // where no frame came to be: else it is not empty
+    if (v->made_folder) rmdir(v->settings->record); // only succeeds if no frame was written
 }
 
 // ---- frames ---------------------------------------------------------------------------------------------
 
-/// From the window: what cannot be done is said there.
+/// Carries out a command of the window; errors appear in the window.
 static void obey(void *user, const char *text)
 {
     viewer *v = user;
@@ -360,7 +359,7 @@ static bool run_script(viewer *v)
     return true;
 }
 
-/// Says what became of a file that was asked for; only scripts must not go on without it.
+/// Shows whether a file was written. A failure ends the program only in scripts.
 static bool note_saved(viewer *v, rsv_status status, const char *path)
 {
     snprintf(v->hud.message, sizeof v->hud.message, "%s%.200s",
@@ -400,7 +399,7 @@ static bool is_refusal(rsv_status status)
            status == RSV_ERROR_SCENE;
 }
 
-/// What is refused is said in the window, where one can go on; the frame shows the light as it was.
+/// Makes a frame. In a window, changes that are refused show a message, and the frame keeps the previous light.
 static bool make_frame(viewer *v, cli_view_timing *timing)
 {
     rsv_status status = cli_show_update(&v->show, &v->state);
@@ -419,7 +418,7 @@ static void note_time(viewer *v, const cli_view_timing *timing)
     if (v->time_ms) v->time_ms[v->time_count++] = timing->total_ms;
 }
 
-/// What is shown, what is made, and why nothing better comes.
+/// Shows which light is displayed, which one is being computed, or why no better one will come.
 static void note_quality(viewer *v)
 {
     v->hud.quality = cli_show_is_lit(&v->show) ? v->show.lit.name : "sketch";
@@ -478,7 +477,7 @@ static bool run_frame(viewer *v)
     cli_view_hud_note(&v->hud, &timing);
     cli_view_hud_draw(&v->hud, &v->state, &v->canvas);
     bool good = v->window ? cli_window_show(v->window, &v->canvas) : record(v);
-    if (waits && v->show.failed) return false; // for what will not come
+    if (waits && v->show.failed) return false; // the light will not come
     v->frame += !waits;
     if (v->window) cli_show_yield(&v->show, timing.total_ms);
     return good;
@@ -490,7 +489,7 @@ static int compare_times(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// When what was shown, by seconds from the start, and how long frames took.
+/// Writes when each light appeared, in seconds since the start, and how long frames took.
 static bool write_stats(viewer *v)
 {
     if (!v->settings->stats) return true;

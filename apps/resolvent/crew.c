@@ -41,8 +41,8 @@ bool cli_crew_speaks(void)
     return rank == 0;
 }
 
-/// Who cannot join has nobody to tell. The first process says what ails all; any other waits, for the launcher ends it
-/// together with the first, before it says what ails itself.
+/// A process that cannot join cannot tell the others. The first process prints errors that all have; any other one
+/// waits, since the launcher ends it together with the first, and prints its error only if it is still running.
 static bool join(void)
 {
     uint32_t rank, size = rsv_team_launched(&rank);

@@ -18,7 +18,7 @@ enum {
     bands = 24
 };
 
-/// Text that may hold what markup gives a meaning.
+/// Escapes characters that have a meaning in HTML.
 static void print_escaped(FILE *f, const char *text)
 {
     for (; *text; text++)

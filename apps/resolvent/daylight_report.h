@@ -1,4 +1,4 @@
-/// What `resolvent daylight` writes: CSV, JSON, hours of all sensors, and a page (daylight_page.h).
+/// Output of `resolvent daylight`: CSV, JSON, the hourly values of all sensors, and a page (daylight_page.h).
 #ifndef CLI_DAYLIGHT_REPORT_H
 #define CLI_DAYLIGHT_REPORT_H
 
@@ -17,7 +17,8 @@ typedef struct cli_daylight_result {
     size_t buried;       ///< sensors that lie within something
 } cli_daylight_result;
 
-/// One line per sensor: place, normal, each figure with its standard error. Says what went wrong on standard error, as all of these.
+/// Writes one line per sensor: position, normal, each figure with its standard error. Like the functions below, it
+/// prints errors on standard error.
 bool cli_write_daylight_csv(const char *path, const cli_daylight_result *result);
 /// Figures of the space and of each sensor.
 bool cli_write_daylight_json(const char *path, const cli_daylight_result *result);

@@ -16,7 +16,7 @@ typedef struct cli_error_target {
     { .name = "--error", .kind = CLI_SHARE, .value = &(target)->share, .min = 1e-4, .max = 1 },    \
     { .name = "--max-time", .kind = CLI_REAL, .value = &(target)->max_seconds, .min = 1e-3,        \
       .max = 1e9, .goes_with = "--error" }
-/// Where --max-time may stand alone.
+/// For commands where --max-time does not need --error.
 #define CLI_ERROR_TARGET_ALONE(target)                                                             \
     { .name = "--error", .kind = CLI_SHARE, .value = &(target)->share, .min = 1e-4, .max = 1 },    \
     { .name = "--max-time", .kind = CLI_REAL, .value = &(target)->max_seconds, .min = 1e-3,        \

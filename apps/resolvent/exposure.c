@@ -10,7 +10,7 @@ bool cli_exposes(cli_session *session, const char *name, float asked)
     char scene[256];
     if (!isnan(asked)) return false;
     if (!rsv_is_operator_file(name)) return access(name, F_OK) == 0 && !session->mesh;
-    // what is wrong with the file, those who read all of it say
+    // errors of the file are reported by those who read all of it
     rsv_status status = rsv_operator_scene_name(session->context, name, scene, sizeof scene);
     return status == RSV_OK && !rsv_scene_is_builtin(scene);
 }

@@ -1,4 +1,4 @@
-/// How bright pictures of 8 bits are: as asked for by --exposure, else as it shows a scene that came from a file. Built-in scenes are
+/// Exposure of 8-bit pictures: that of --exposure, else chosen automatically for scenes from files. Built-in scenes are
 /// lit for an exposure of 0.
 #ifndef CLI_EXPOSURE_H
 #define CLI_EXPOSURE_H
@@ -24,14 +24,15 @@
     "  --exposure STOPS   brighten .png by 2^STOPS (default: automatic for files, and printed; 0 for\n"\
     "                     built-in scenes)\n"
 
-/// Whether the exposure is to be found: none was asked for, and the scene is no built-in one, solved or not.
+/// Whether the exposure is automatic: none was given, and the scene is neither built-in nor a solution of a built-in
+/// one.
 /// @param name of the scene or operator file
 bool cli_exposes(cli_session *session, const char *name, float asked);
 
-/// The exposure of a picture, and a note that says it. @param wanted whether it is to be found; else `asked`, or 0
+/// Determines the exposure of a picture, and prints it. @param wanted whether it is automatic; otherwise `asked`, or 0
 float cli_expose(cli_session *session, bool wanted, float asked, const rsv_image *image);
 
-/// The same by a small picture of a solved scene, in mode operator. @param stops out; 0 unless `wanted` or asked for
+/// The same for a solved scene, from a small picture in mode operator. @param stops out; 0 unless `wanted` or asked for
 rsv_status cli_expose_light(
     cli_session *session, bool wanted, const rsv_light *light, uint32_t camera, float *stops);
 

@@ -9,7 +9,7 @@ typedef struct cli_fog {
     const char *height; ///< SCALE[,BASE]; NULL = the same everywhere
 } cli_fog;
 
-/// Reads both into `fog`, as the library has yet to check it. Prints what cannot be read; false then.
+/// Reads both options into `fog`, which the library still has to check. Prints an error and returns false on failure.
 bool cli_read_fog(const cli_fog *given, rsv_fog *fog);
 
 #endif

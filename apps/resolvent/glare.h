@@ -17,7 +17,7 @@ typedef struct cli_glare_source {
 
 typedef struct cli_glare {
     double vertical;   ///< illuminance at the eye, lux
-    double mean;       ///< luminance of all that is seen, cd/m2
+    double mean;       ///< luminance over the whole view, cd/m2
     double threshold;  ///< above which a pixel glares, cd/m2
     double background; ///< luminance that would give the light that is not of glare sources, cd/m2
     double dgp, ugr;   ///< ugr -INFINITY = no glare source
@@ -28,9 +28,9 @@ typedef struct cli_glare {
 /// Position index of a direction (right, up, ahead).
 double cli_position_index(const double direction[3]);
 
-/// @param luminance [height * width] cd/m2 of an equidistant picture of the half space ahead, row 0 on top
+/// @param luminance [height * width] cd/m2, an equidistant picture of the half space ahead, top row first
 /// @param threshold cd/m2; 0 = five times the mean @param glare to be freed by cli_glare_free
-/// @return false where memory runs out
+/// @return false when out of memory
 bool cli_find_glare(
     const float *luminance, uint32_t width, uint32_t height, double threshold, cli_glare *glare);
 void cli_glare_free(cli_glare *glare);

@@ -1,5 +1,5 @@
-/// A help text has a usage line and what the command does, then options ("  --name ..."), further sections, and
-/// "examples:". The first screen is cut from it, so that there is one text for both.
+/// A help text has a usage line and a description, then options ("  --name ..."), further sections, and
+/// "examples:". The first screen is cut from it, so there is only one text to maintain.
 #include "help.h"
 
 #include <assert.h>

@@ -48,7 +48,7 @@ bool cli_light_scale(const float *number, size_t count, rsv_rgb *scale)
     return count == 1 || count == 3 || count == 4;
 }
 
-/// The next word, or what stands between double quotes; NULL at the end.
+/// The next word, or the text between double quotes; NULL at the end.
 static char *cut_word(char **rest)
 {
     char *word = *rest + strspn(*rest, " \t\r\n");

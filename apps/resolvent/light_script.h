@@ -1,6 +1,6 @@
-/// Light that changes over time: what `resolvent relight --script` reads.
+/// Light that changes over time: the file format of `resolvent relight --script`.
 ///
-///     # frame  what it is then; in between it changes evenly
+///     # frame  value at that frame; interpolated linearly in between
 ///     0        env-rotate=0    light.sun=1           "light.desk lamp=0"
 ///     120                      light.sun=1,1,0.7,0.4
 ///     239      env-rotate=180  light.sun=0           "light.desk lamp=1" albedo.wall=0.2,0.3,0.8
@@ -30,7 +30,7 @@ typedef struct cli_key {
     float value[3];
 } cli_key;
 
-/// All that a script says of one thing.
+/// The keys of one property.
 typedef struct cli_track {
     cli_track_kind kind;
     char *name; ///< of the light or material
@@ -44,7 +44,7 @@ typedef struct cli_light_script {
     uint32_t first, last; ///< frames
 } cli_light_script;
 
-/// Says on standard error which line is wrong, and why. @param script to be freed even after an error
+/// Prints on standard error which line is wrong, and why. @param script to be freed even after an error
 bool cli_read_light_script(const char *path, cli_light_script *script);
 void cli_free_light_script(cli_light_script *script);
 

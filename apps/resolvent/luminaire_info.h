@@ -1,4 +1,4 @@
-/// What `resolvent info` says of a file of a luminaire.
+/// Output of `resolvent info` for luminaire files.
 #ifndef CLI_LUMINAIRE_INFO_H
 #define CLI_LUMINAIRE_INFO_H
 
@@ -7,7 +7,7 @@
 /// Whether the file's name says that it is one: .ies or .ldt.
 bool cli_is_luminaire(const char *path);
 
-/// Prints it, as text or JSON; says what went wrong on standard error.
+/// Prints it, as text or JSON. Prints errors on standard error.
 bool cli_print_luminaire(cli_session *session, const char *path, bool json);
 
 #endif

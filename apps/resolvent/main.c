@@ -84,7 +84,7 @@ static int flush_results(int exit_status)
     return CLI_FAILURE;
 }
 
-/// What is not worth sharing, the first process does alone.
+/// Runs a command. If it does not share work, only the first process runs it.
 static int run_command(const command *found, int argc, char **argv)
 {
     bool shared = found->run == cli_render || found->run == cli_solve ||
@@ -107,7 +107,7 @@ static bool processor_serves(void)
 #endif
 }
 
-/// All commands, or the one that is named; "all" after it asks for all of its options.
+/// Prints all commands, or the help of the one named; "all" after it includes all of its options.
 static int help(int argc, char **argv)
 {
     static char option[] = "--help";
@@ -119,8 +119,8 @@ static int help(int argc, char **argv)
     return CLI_SUCCESS;
 }
 
-/// Large blocks go back to the system once they are freed, whatever was allocated before: the C library of GNU would keep up
-/// to 32 MiB of each kind, which doubles the peak of readers.
+/// Returns large blocks to the system as soon as they are freed. By default, the GNU C library may keep up to 32 MiB of
+/// each size, which doubles the peak memory of readers.
 static void return_large_blocks(void)
 {
 #ifdef M_MMAP_THRESHOLD

@@ -9,7 +9,7 @@
 
 enum { most_frames = 1000000 };
 
-/// A number of a frame; digits alone. @param end out: what follows them
+/// Parses a frame number of digits only. @param end out: the text after it
 static bool read_frame(const char *text, uint32_t *frame, const char **end)
 {
     char *stop;
@@ -37,7 +37,7 @@ float cli_frame_time(const cli_sequence *s, uint32_t frame)
     return (float)((double)frame / (double)s->fps);
 }
 
-/// Says which clip is played where nobody chose among several.
+/// Prints which clip is played, if there are several and none was chosen.
 static void note_choice(cli_session *session)
 {
     char text[256];
@@ -49,7 +49,7 @@ static void note_choice(cli_session *session)
     cli_note(session, text);
 }
 
-/// @return false after saying what is wrong
+/// @return false, after an error message, on failure
 static bool find_clip(cli_session *session, const char *path, uint32_t *clip)
 {
     const char *name = session->moment.clip;

@@ -39,12 +39,13 @@ typedef struct cli_sequence {
     "                     --quality defaults to medium\n"                                          \
     "  --fps N            frames per second (default 24)\n"
 
-/// Reads `frames`; says what is wrong with it on standard error.
+/// Parses `frames`; prints an error on standard error if it is invalid.
 bool cli_read_sequence(const char *command, cli_sequence *sequence);
 
 float cli_frame_time(const cli_sequence *sequence, uint32_t frame);
 
-/// The scene of a file at the session's moment; the file is read once. Prints what went wrong; false then.
+/// Loads the scene of a file at the session's moment; the file is read only once. Prints an error and returns false on
+/// failure.
 bool cli_load_moment(cli_session *session, const char *path, rsv_scene **scene);
 
 #endif

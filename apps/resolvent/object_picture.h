@@ -5,7 +5,7 @@
 #include "resolvent/mover.h"
 #include "resolvent/render.h"
 
-/// Mode operator, as many samples as are asked for, with the body moved by `offset` metres.
+/// Renders in mode operator, with as many samples as were asked for and with the body moved by `offset` metres.
 rsv_status cli_render_object(const rsv_light *solution, const rsv_scene *body, rsv_vec3 offset,
     const rsv_render_desc *desc, rsv_image **image);
 

@@ -38,7 +38,7 @@ static rsv_vec3 unit(rsv_vec3 a)
     return length > 0 ? along((rsv_vec3){ 0, 0, 0 }, 1 / length, a) : a;
 }
 
-/// Where somebody is, and what was found there.
+/// An observer's position and the glare found there.
 typedef struct eye {
     const rsv_scene_view *scene;
     const rsv_tracer *tracer;
@@ -66,7 +66,8 @@ static bool sees(const eye *e, rsv_vec3 place)
     return !rsv_tracer_occluded(e->tracer, &ray);
 }
 
-/// A source by its luminance squared times its solid angle, and its illuminance before the eye, both as far as it is seen.
+/// A source by its luminance squared times its solid angle, and its illuminance before the eye, both as far as it is
+/// seen.
 static void add_source(eye *e, rsv_vec3 towards, double square, double illuminance)
 {
     const double direction[3] = { dot(towards, e->right), dot(towards, e->up),

@@ -14,7 +14,7 @@
 
 /// A bit of `given` for each.
 #define MOST_OPTIONS 64
-/// Of a picture, as rsv_image_create has it.
+/// The limit of rsv_image_create.
 #define MOST_PIXELS (1u << 28)
 
 int cli_usage_error(const char *command, const char *format, ...)
@@ -251,7 +251,7 @@ static int parse_option(const cli_usage *usage, int argc, char **argv, int *inde
     return store_value(option, value) ? CLI_SUCCESS : report_bad_value(usage, option, value);
 }
 
-/// Whether `company`, "--option" or "--option=choice", is what the user chose.
+/// Whether the user gave `company`: "--option" or "--option=choice".
 static bool is_chosen(const cli_usage *usage, const char *company, uint64_t given)
 {
     const cli_option *option = find_option(usage, company);

@@ -32,7 +32,7 @@ typedef enum cli_option_kind {
 typedef struct cli_option {
     const char *name; ///< with its dashes
     cli_option_kind kind;
-    void *value; ///< what the option fills; holds the default before
+    void *value; ///< variable that the option sets; holds the default before
     double min, max;
     const char *const *choices; ///< NULL-terminated
     /// An option without which this one does nothing, or one of its choices: "--goal", "--to=vertex"; NULL = none
@@ -40,17 +40,17 @@ typedef struct cli_option {
 } cli_option;
 
 typedef struct cli_usage {
-    const char *command; ///< "render", as in `resolvent render --help`
-    const char *help;    ///< what --help all prints; {--name} in it: the choices of that option
+    const char *command;       ///< "render", as in `resolvent render --help`
+    const char *help;          ///< of --help all; {--name} becomes the choices of that option
     const cli_option *options; ///< ends with a NULL name; 64 at most
     const char *operands;      ///< names of the positional arguments, for messages: "SCENE"
     size_t operand_min, operand_max;
     const char *common; ///< options that --help explains, separated by spaces; NULL = all
 } cli_usage;
 
-/// Fills the options and operands.
-/// @param operands [usage->operand_max]; those not given become NULL
-/// @param exit_status what to return with if the answer is false: 0 after --help, 2 after a mistake
+/// Parses options and operands.
+/// @param operands [usage->operand_max]; operands not given become NULL
+/// @param exit_status if the result is false, the status to exit with: 0 after --help, 2 after a mistake
 /// @return whether to go on
 bool cli_parse(
     const cli_usage *usage, int argc, char **argv, const char **operands, int *exit_status);

@@ -29,7 +29,7 @@ static void folder_of(const char *path, char *folder, size_t size)
         snprintf(folder, size, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
-/// True for what rename() must not replace: devices, pipes, sockets.
+/// True for files that rename() must not replace: devices, pipes, sockets.
 static bool is_special_file(const char *path)
 {
     struct stat info;
@@ -105,8 +105,7 @@ static bool write_and_rename(const char *path, const char *text, size_t length)
 
 bool cli_write_file(const char *path, const char *text, size_t length)
 {
-    char *linked =
-        realpath(path, NULL); // rename() would replace a symbolic link, not what it names
+    char *linked = realpath(path, NULL); // rename() would replace a symbolic link, not its target
     const char *target = linked ? linked : path;
     bool written = is_special_file(target) ? write_in_place(target, text, length)
                                            : write_and_rename(target, text, length);

@@ -7,14 +7,14 @@
 /// Whether the file's name has the extension `end` (".glb"), in letters large or small.
 bool cli_ends_in(const char *path, const char *end);
 
-/// Whether `path` can be written, to be asked before long work; says why not on standard error.
+/// Whether `path` can be written, to be checked before long work; prints an error if not.
 bool cli_check_output(const char *path);
 
-/// Whether `path`, to be written, is another file than `other`, which would be lost (either may be NULL: none); says so on
-/// standard error if not.
+/// Whether writing `path` leaves the file `other` intact (either may be NULL: no file). Prints an error if they are the
+/// same file.
 bool cli_check_apart(const char *path, const char *other);
 
-/// Writes next to `path`, then renames; a device or pipe is written in place. Says what went wrong on
+/// Writes a temporary file beside `path`, then renames it; a device or pipe is written in place. Prints errors on
 /// standard error.
 bool cli_write_file(const char *path, const char *text, size_t length);
 

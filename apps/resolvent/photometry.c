@@ -57,7 +57,8 @@ cli_lux cli_cylindrical(const rsv_probe_reading side[CLI_CYLINDER_SIDES])
     for (int j = 0; j < CLI_CYLINDER_SIDES; j++) {
         cli_lux one = cli_lux_of(&side[j]);
         mean.value += one.value / CLI_CYLINDER_SIDES;
-        mean.error += one.error / CLI_CYLINDER_SIDES; // they share what is stored
+        mean.error +=
+            one.error / CLI_CYLINDER_SIDES; // their errors are correlated through the stored light
     }
     return mean;
 }
@@ -93,7 +94,8 @@ typedef struct grid_figures {
     cli_lux mean, least;
 } grid_figures;
 
-/// What readings share is in the error of each: the mean's is their mean, at most.
+/// Adds a reading to the mean and least value. As readings share errors, the mean's error is at most the mean of
+/// theirs.
 static void add_value(grid_figures *g, cli_lux lux, size_t count)
 {
     g->mean.value += lux.value / (double)count;

@@ -12,7 +12,8 @@
 /// lux of W/m2, cd/m2 of W/(sr m2).
 double cli_luminous(rsv_rgb radiometric);
 
-/// The same of a picture, all its layers: channels whose luminance is in cd/m2. @param photometric out, to be destroyed
+/// The same for all layers of a picture, whose channels then have luminances in cd/m2. @param photometric out, to be
+/// destroyed
 rsv_status cli_photometric_picture(
     rsv_context *context, const rsv_image *image, rsv_image **photometric);
 
@@ -25,12 +26,13 @@ cli_lux cli_lux_of(const rsv_probe_reading *reading);
 
 #define CLI_CYLINDER_SIDES 12
 
-/// Vertical receivers all around each point, CLI_CYLINDER_SIDES of them one after the other. @param side out: [12 * points->count]
+/// Vertical receivers all around each point, CLI_CYLINDER_SIDES of them one after the other. @param side out: [12 *
+/// points->count]
 void cli_cylinder_points(const cli_points *points, rsv_probe *side);
 /// Cylindrical illuminance at a point: the mean over its vertical receivers.
 cli_lux cli_cylindrical(const rsv_probe_reading side[CLI_CYLINDER_SIDES]);
 
-/// Writes the points with lux,err_lux and, where given, cylindrical,err_cylindrical. Says what went wrong on standard error.
+/// Writes the points with lux,err_lux and, if given, cylindrical,err_cylindrical. Prints errors on standard error.
 /// @param cylindrical [points->count] NULL = none
 bool cli_write_lux(const char *path, const cli_points *points, const rsv_probe_reading *readings,
     const cli_lux *cylindrical);

@@ -4,7 +4,7 @@
 
 #include "resolvent/render.h"
 
-/// Columns that say what light is wanted at a point.
+/// Columns that give the light wanted at a point.
 typedef enum cli_wanted {
     CLI_WANTED_LUX,
     CLI_WANTED_R,
@@ -21,7 +21,7 @@ typedef struct cli_points {
     size_t count, capacity;
     double (*wanted)[CLI_WANTED_COLUMNS]; ///< [count] of the columns that there are
     bool has[CLI_WANTED_COLUMNS];
-    bool needs_wanted; ///< set before reading: what is wrong in those columns counts
+    bool needs_wanted; ///< set before reading: whether invalid values in those columns are errors
 } cli_points;
 
 /// Reads lines of x,y,z,nx,ny,nz. A first line of names may order the columns differently and name
@@ -33,7 +33,7 @@ void cli_free_points(cli_points *points);
 /// Makes probes of points of the scene's file: less the origin that was taken out of the scene.
 void cli_place_points(const cli_points *points, const rsv_scene *scene);
 
-/// Writes the points with r,g,b,err_r,err_g,err_b. Says what went wrong on standard error.
+/// Writes the points with r,g,b,err_r,err_g,err_b. Prints errors on standard error.
 bool cli_write_readings(
     const char *path, const cli_points *points, const rsv_probe_reading *readings);
 

@@ -44,7 +44,7 @@ static bool begins_with(const char *phase, const char *word)
     return strncmp(phase, word, strlen(word)) == 0;
 }
 
-/// What a phase takes of the work that is left when it begins, on average over what is solved and rendered.
+/// Typical share of the remaining work that a phase takes, measured over solves and renders.
 static double share_of_rest(const char *phase)
 {
     static const struct {
@@ -58,7 +58,7 @@ static double share_of_rest(const char *phase)
     return 0.95; // pictures, readings and bakes come last
 }
 
-/// Everything before a new phase is done, but for what was only announced.
+/// Counts everything before a new phase as done, except phases that were only announced.
 static void begin_phase(cli_progress *progress, const char *phase)
 {
     size_t length = strlen(progress->phase), tail = strlen("assemble");

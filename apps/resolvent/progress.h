@@ -1,6 +1,6 @@
-/// Progress of a command on standard error: one bar with the time left on a terminal, plain lines elsewhere. The library reports
-/// phases, each from 0 to 1, and nobody knows how many are to come: each takes a share of what is left, by its kind, so that
-/// the bar goes forward only.
+/// Progress of a command on standard error: one bar with the time left on a terminal, plain lines elsewhere. The
+/// library reports phases, each from 0 to 1, but not how many will come. Each phase gets a share of the rest of the bar
+/// that depends on its kind, so the bar only moves forward.
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
@@ -26,11 +26,11 @@ typedef struct cli_progress {
 
 void cli_progress_begin(cli_progress *progress);
 
-/// Begins one of `count` equal parts of the command. @param name such as "frame"; `number` counts from 1, 0 = what comes
-/// before the first and counts as much
+/// Begins one of `count` equal parts of the command. @param name such as "frame" @param number counts from 1; 0 = the
+/// work before the first part, which counts as a part too
 void cli_progress_part(cli_progress *progress, const char *name, unsigned number, unsigned count);
 
-/// Takes in that `fraction` of `phase` is done, and shows how much of the command that makes; cheap enough to be called often.
+/// Notes that `fraction` of `phase` is done, and updates the bar. Cheap enough to be called often.
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction);
 
 /// Takes the bar off the terminal, so that another line can be printed.

@@ -30,7 +30,8 @@ static void on_signal(int signal_number)
     if (interruptible) rsv_context_cancel(interruptible);
 }
 
-/// Files of operators and rows are mapped: what is read of one that has become shorter since does not exist.
+/// Operator files and rows are memory-mapped: reading past the end of a file that has since been truncated raises a
+/// signal.
 static void on_lost_page(int signal_number)
 {
     static const char clear[] = "\r\033[K"; // of progress
@@ -47,7 +48,7 @@ static void on_lost_page(int signal_number)
     _exit(CLI_FAILURE);
 }
 
-/// The first signal asks the work to stop; a second one finds the default action and kills.
+/// The first signal asks the work to stop; a second one has its default effect and kills.
 static void catch_signals(rsv_context *context)
 {
     struct sigaction action = { .sa_handler = on_signal,
@@ -268,7 +269,7 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
-/// Built-in scenes are as they are, but for luminaires.
+/// Warns of options for reading files: built-in scenes ignore all of them but --luminaire.
 static void warn_of_reading(cli_session *session)
 {
     char line[64];
@@ -293,7 +294,7 @@ static bool check_kind(const cli_session *session, const char *name, bool is_fil
     return false;
 }
 
-/// NAME=FILE of every --luminaire; false after saying what is wrong.
+/// Parses NAME=FILE of every --luminaire; prints an error and returns false if one is invalid.
 static bool read_luminaires(cli_session *session)
 {
     const cli_list *given = &session->reading.luminaires;
@@ -360,7 +361,9 @@ static rsv_scene *open_scene(
     if (!check_kind(session, name, is_file) || environment_is_mistyped(environment)) return NULL;
     if (!read_scene(session, name, is_file, &scene)) return NULL;
     rsv_status status = add_environment(session, scene, environment);
-    if (status == RSV_OK) status = rsv_scene_set_fog(scene, &fog);
+    // without --fog, a built-in scene keeps its own
+    if (status == RSV_OK && environment && environment->fog.medium)
+        status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load += cli_seconds() - started;
     if (status == RSV_OK) return scene;

@@ -1,5 +1,5 @@
-/// What every command needs around the library: a context that reports progress and warnings, stops on
-/// Ctrl-C, and opens scenes by file or name.
+/// The environment of every command: a context that reports progress and warnings, stops on Ctrl-C, and
+/// opens scenes by file or name.
 #ifndef CLI_SESSION_H
 #define CLI_SESSION_H
 
@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-/// What was said: each message once in a command, however often its cause comes up.
+/// Messages printed so far: each is printed once per command, however often its cause occurs.
 typedef struct cli_messages {
     char **text; ///< [count], owned
     size_t count;
@@ -28,7 +28,7 @@ typedef struct cli_moment {
 
 #define CLI_AT_REST ((cli_moment){ .time = NAN })
 
-/// How scene files are to be understood: what --light-units, --two-sided, --emit and --variant ask for.
+/// How scene files are interpreted: --light-units, --two-sided, --emit and --variant.
 typedef struct cli_reading {
     int light_units; ///< rsv_light_units
     bool two_sided;
@@ -47,15 +47,15 @@ typedef struct cli_session {
     cli_reading reading;
     rsv_load_luminaire luminaire[CLI_LIST_CAPACITY]; ///< of the reading; names are owned
     size_t luminaire_count;
-    bool keep_document;        ///< scenes are to keep the glTF file that they come from
+    bool keep_document;        ///< scenes keep the glTF file they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far
     double time_load;          ///< seconds spent in cli_open_scene
     size_t max_bytes;          ///< of --max-memory; 0 = none was given
     bool opens_scene;          ///< a scene is being opened: it may take max_bytes
-    atomic_llong opened_bytes; ///< taken since, less what was given back
-    atomic_bool is_too_large;  ///< it asked for more
+    atomic_llong opened_bytes; ///< allocated since then, minus what was freed
+    atomic_bool is_too_large;  ///< it needed more than max_bytes
     /// Takes progress in place of the bar, from any thread, and says whether to go on; NULL = none
     bool (*watch)(void *user, const char *phase, double fraction);
     void *watch_user;
@@ -104,7 +104,7 @@ void cli_session_end(cli_session *session);
 /// Builds the built-in scene `name` around the session's mesh.
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
 
-/// The surroundings that --env, --env-intensity and --env-rotate ask for, and what fills the air.
+/// The surroundings given by --env, --env-intensity and --env-rotate, and the fog.
 typedef struct cli_environment {
     const char *path; ///< NULL = none
     float intensity;  ///< factor
@@ -145,16 +145,16 @@ typedef struct cli_environment {
     "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n" \
     "                     --mode reference\n"
 
-/// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
-/// Prints what went wrong; returns NULL then.
-/// @param environment what to surround it with; NULL = nothing
+/// Loads the file `name` or, if there is no such file, builds the built-in scene of that name.
+/// Prints an error and returns NULL on failure.
+/// @param environment the surroundings; NULL = none
 rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment);
 
 /// How the session reads files.
 rsv_load_desc cli_describe_load(const cli_session *session);
 
-/// Whether a signal asked to stop.
+/// Whether the user has asked to stop.
 bool cli_interrupted(void);
 
 /// Prints why a call of the library failed (or that the work was cancelled); returns the exit status.

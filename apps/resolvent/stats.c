@@ -69,7 +69,7 @@ static void add_settings(cJSON *root, const cli_stats *stats)
     cJSON_AddNumberToObject(root, "exposure", stops);
 }
 
-/// cJSON writes NAN as null: what was not solved has no norm and no residual.
+/// cJSON writes NAN as null, for a norm or residual that does not exist.
 static void add_solution(cJSON *root, const cli_stats *stats)
 {
     static const rsv_solve_report nothing = { .norm_inf = NAN,

@@ -106,7 +106,7 @@ rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice)
     return desc;
 }
 
-/// Names what was asked of the solve of an operator file.
+/// Warns of solve options that have no effect on an operator file.
 static void warn_of_idle_options(
     cli_session *session, const rsv_solve_desc *desc, const cli_error_target *target)
 {

@@ -1,4 +1,4 @@
-/// What a command works on: a scene, or an operator file with the scene in it.
+/// The input of a command: a scene, or an operator file with the scene in it.
 #ifndef CLI_SUBJECT_H
 #define CLI_SUBJECT_H
 
@@ -13,15 +13,15 @@ typedef struct cli_subject {
     rsv_light *solution; ///< NULL = not solved yet
 } cli_subject;
 
-/// Opens an operator file, or as cli_open_scene does. Prints what went wrong; false then.
-/// @param environment as in cli_open_scene; operator files have theirs
+/// Opens an operator file, or a scene as cli_open_scene does. Prints an error and returns false on failure.
+/// @param environment as in cli_open_scene; not for operator files, which contain theirs
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
-/// Whether a command that takes nothing but operator files can go on; says what is wrong with the file where it cannot.
+/// For commands that accept only operator files: whether `name` is one. Prints an error if not.
 bool cli_is_operator(const char *name);
 
-/// How a scene is to be solved: --quality, --solver, --seed, --max-elements and --max-memory.
+/// How a scene is solved: --quality, --solver, --seed, --max-elements and --max-memory.
 typedef struct cli_solve_choice {
     int quality, solver; ///< rsv_quality, rsv_solver
     uint32_t seed;
@@ -56,7 +56,7 @@ typedef struct cli_solve_choice {
     "  --max-elements N   at most N elements; the solution becomes coarser if it would need more\n"\
     "  --max-memory SIZE  at most this much memory, such as 2GiB; may make the solution coarser\n"
 
-/// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.
+/// Loads the plug-in for PETSc if it is the solver. Call it before the session begins. Prints errors.
 bool cli_prepare_solve(const cli_solve_choice *choice);
 
 rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice);
@@ -68,7 +68,7 @@ rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
 
 void cli_close_subject(cli_subject *subject);
 
-/// Pixels of a picture where none are asked for: 512 on the longer side, in the camera's aspect.
+/// Default size of a picture: 512 pixels on the longer side, in the camera's aspect.
 cli_size cli_default_size(const rsv_camera *camera);
 
 #endif

@@ -6,8 +6,8 @@
 ///     const rsv_clip *clip = rsv_animation_clip(animation, 0);
 ///     rsv_animation_scene(animation, 0, clip->start + 0.5, &scene);
 ///
-/// Nodes, skins and morph targets move, and so do lights and cameras attached to nodes. The file is read once. A scene at
-/// one time is complete: solve, update (update.h) and render it like any other.
+/// Nodes, skins and morph targets move, and so do lights and cameras attached to nodes. The file is read once. A scene
+/// at one time is complete: solve, update (update.h) and render it like any other.
 #ifndef RESOLVENT_ANIMATION_H
 #define RESOLVENT_ANIMATION_H
 
@@ -17,38 +17,39 @@
 extern "C" {
 #endif
 
-/// A file that is kept open. One call at a time.
+/// An open animated file. Not thread-safe.
 typedef struct rsv_animation rsv_animation;
 
-/// What can be played.
+/// An animation of the file.
 typedef struct rsv_clip {
-    const char *name;     ///< "animation 0", ... where the file has none
-    double start, end;    ///< s: the first and the last key
-    size_t channel_count; ///< that move something here
+    const char *name;     ///< "animation 0", ... if it has no name
+    double start, end;    ///< s: times of the first and last key
+    size_t channel_count; ///< channels that move something in the scene
 } rsv_clip;
 
-/// Reads the animations of a file, and of the rest what rsv_scene_load_with reads before there are vertices.
-/// RSV_ERROR_UNSUPPORTED for formats other than glTF; RSV_ERROR_FORMAT, with the animation's name, for keys that are out of
-/// order, missing or not finite. Without any animation there are no clips.
-/// @param desc NULL = defaults; what it lists must outlive the animation; no document is kept (rsv_load_desc.keep_document): what it says is where things are at rest
+/// Opens a file and reads its animations. A file without animations has no clips.
+/// @param desc NULL = defaults. What it refers to must outlive the animation. No document is kept
+/// (rsv_load_desc.keep_document), because a document describes the scene at rest
+/// @return RSV_ERROR_UNSUPPORTED for formats other than glTF; RSV_ERROR_FORMAT, with the animation's name, for keys
+/// that are missing, out of order or not finite
 RSV_API rsv_status rsv_animation_open(
     rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation);
 
-/// After all scenes that came from it. NULL is allowed.
+/// Destroy all scenes from the animation first. NULL is allowed.
 RSV_API void rsv_animation_destroy(rsv_animation *animation);
 
 RSV_API size_t rsv_animation_clip_count(const rsv_animation *animation);
 
-/// @param index below the count @return valid as long as the animation
+/// @param index below the count @return valid until the animation is destroyed
 RSV_API const rsv_clip *rsv_animation_clip(const rsv_animation *animation, size_t index);
 
-/// The first clip of a name; RSV_NONE if there is none.
+/// Index of the first clip with that name; RSV_NONE if there is none.
 RSV_API uint32_t rsv_animation_find_clip(const rsv_animation *animation, const char *name);
 
-/// The scene at a moment, committed. Textures are those of the animation, which outlives it. A scene without a camera is
-/// shown by the one that frames it at rest.
-/// @param clip RSV_NONE = all clips at once; where two move the same, the later one counts
-/// @param time s, finite; before the first key of a channel its value stays, and after the last one that
+/// The scene at a given time, committed. The animation owns its textures, and must outlive it. If the file has no
+/// camera, the scene gets one that shows all of it at rest.
+/// @param clip RSV_NONE = all clips at once; if two move the same thing, the later one counts
+/// @param time s, finite. Before its first key and after its last, a channel keeps the value of that key
 RSV_API rsv_status rsv_animation_scene(
     rsv_animation *animation, uint32_t clip, double time, rsv_scene **scene);
 

@@ -1,6 +1,6 @@
 /// @file lightmix.h
-/// Pictures of one view under lights of changing strength and colour, without tracing rays: the contribution of each source is
-/// rendered once and kept, and every further picture is a weighted sum of these.
+/// Pictures of one view under changing strengths and colours of lights. The contribution of each source is rendered
+/// once and kept. Every further picture is a weighted sum of these, and traces no rays.
 #ifndef RESOLVENT_LIGHTMIX_H
 #define RESOLVENT_LIGHTMIX_H
 
@@ -13,21 +13,21 @@ extern "C" {
 
 typedef struct rsv_light_mix rsv_light_mix;
 
-/// @param relighter borrowed; its light and that light's scene have to outlive the mix, too
+/// @param relighter borrowed; its light and that light's scene must also outlive the mix
 /// @param picture modes final and operator, without layers; copied, its viewpoint borrowed
-/// RSV_ERROR_ARGUMENT: other modes, layers
+/// @return RSV_ERROR_ARGUMENT for other modes and layers
 RSV_API rsv_status rsv_light_mix_create(
     rsv_relighter *relighter, const rsv_render_desc *picture, rsv_light_mix **mix);
 RSV_API void rsv_light_mix_destroy(rsv_light_mix *mix);
 
-/// The view as rsv_relighter_change last left the light; no steps are needed before. Sources whose factors have always been
-/// alike are kept as one picture. New ones are rendered where factors part for the first time, as if all other sources were
-/// off, and where places, colours or surroundings have changed. Where all together would take more than 512 MiB, none are
-/// kept and each picture is rendered.
-/// @return errors as of rsv_relighter_change and rsv_render: after one, the light may be used no more
+/// Renders the view with the light that rsv_relighter_change set; rsv_relighter_step is not necessary. Sources that
+/// have always had the same factors share one picture. Pictures are added when factors differ for the first time, and
+/// rendered again when positions, colours or the environment change. If all pictures would take more than 512 MiB, none
+/// are kept, and every view is rendered.
+/// @return errors as in rsv_relighter_change and rsv_render; after an error, the light may only be destroyed
 RSV_API rsv_status rsv_light_mix_take(rsv_light_mix *mix, rsv_image **image);
 
-/// Pictures rendered so far.
+/// Number of pictures rendered so far.
 RSV_API size_t rsv_light_mix_rendered(const rsv_light_mix *mix);
 
 #ifdef __cplusplus

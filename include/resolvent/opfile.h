@@ -1,9 +1,10 @@
 /// @file opfile.h
-/// Solved operators as files: written once, then rendered, probed, certified and relit without tracing the operator's rays again.
+/// Operator files. A solved operator is saved once, and then rendered, probed, certified and relit without tracing its
+/// rays again.
 ///
-/// A file is self-contained: it holds the scene, the elements, G, K, the sources and the solution, in the safetensors format
-/// (a JSON header and flat arrays), which any language can read in a few lines. docs/operator-files.md lists every
-/// array; samples/python/solve_operator.py reads a file and solves it again.
+/// A file contains the scene, the elements, G, K, the sources and the solution. Its format is safetensors (a JSON
+/// header and flat arrays), which any language can read in a few lines. docs/operator-files.md lists all arrays.
+/// samples/python/solve_operator.py reads a file and solves it again.
 #ifndef RESOLVENT_OPFILE_H
 #define RESOLVENT_OPFILE_H
 
@@ -13,27 +14,27 @@
 extern "C" {
 #endif
 
-/// Writes a solution with its scene, and the glTF file that this came from, where it keeps one (rsv_load_desc.keep_document):
-/// what was read can be baked into that file. The same solution gives the same bytes, up to the times in its report, which are left
-/// out. The file appears complete or not at all.
-/// @param scene_name what the scene is called, for `info` and messages; NULL = "unnamed"
+/// Writes a solution with its scene. If the scene keeps its glTF file (rsv_load_desc.keep_document), the file contains
+/// that too, so that light can be baked into it. The same solution gives the same bytes; times are left out. The file
+/// appears complete or not at all.
+/// @param scene_name name of the scene, for `info` and messages; NULL = "unnamed"
 RSV_API rsv_status rsv_light_save(const rsv_light *light, const char *scene_name, const char *path);
 
-/// Reads what rsv_light_save wrote: pictures and probes of it are the same bytes as of the solution that was saved. The
-/// file is mapped and may be gone afterwards. It is treated as hostile: RSV_ERROR_IO if it cannot be read,
-/// RSV_ERROR_FORMAT if it is cut off, foreign, changed (SHA-256) or inconsistent, RSV_ERROR_UNSUPPORTED if its
-/// format is of another version.
+/// Reads a file from rsv_light_save. Pictures and probes give the same bytes as the saved solution. The file is mapped
+/// into memory, and may be deleted after this call. It is treated as hostile: RSV_ERROR_IO if it cannot be read,
+/// RSV_ERROR_FORMAT if it is truncated, altered (SHA-256), inconsistent or not an operator file, RSV_ERROR_UNSUPPORTED
+/// for other versions of the format.
 /// @param scene out; owned by the caller
-/// @param light out: the solution; destroy it before the scene
+/// @param light out; destroy it before the scene
 RSV_API rsv_status rsv_light_load(
     rsv_context *context, const char *path, rsv_scene **scene, rsv_light **light);
 
-/// In a team, fails unless all processes run the same code and name the same operator file, by the checksum that it says it
-/// has: for those who will read it each for themselves.
+/// In a team: fails unless all processes run the same code and name the same operator file, judged by the checksum that
+/// the file states. For processes that each read the file themselves.
 RSV_API rsv_status rsv_operator_compare(rsv_context *context, const char *path);
 
-/// What the scene of an operator file is called: `scene_name` of rsv_light_save, cut to size.
-/// @param name out [bytes]
+/// Name of the scene of an operator file (`scene_name` of rsv_light_save), truncated if necessary.
+/// @param name out, [bytes]
 RSV_API rsv_status rsv_operator_scene_name(
     rsv_context *context, const char *path, char *name, size_t bytes);
 
@@ -42,11 +43,11 @@ RSV_API bool rsv_is_operator_file(const char *path);
 
 #define RSV_FINGERPRINT_DIGITS 64
 
-/// SHA-256 of all that a scene holds. @param digits out, in hexadecimal
+/// SHA-256 of everything in a scene. @param digits out, hexadecimal
 RSV_API rsv_status rsv_scene_fingerprint(
     const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1]);
 
-/// In a team, fails unless all processes run the same code and hold the same scene, by SHA-256.
+/// In a team: fails unless all processes run the same code and have the same scene, judged by SHA-256.
 RSV_API rsv_status rsv_scene_compare(const rsv_scene *scene);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 /// @file plan.h
-/// A picture with a given error or time: elements, rays and camera samples are chosen together.
+/// Pictures with a given error or in a given time: elements, rays and camera samples are chosen together.
 #ifndef RESOLVENT_PLAN_H
 #define RESOLVENT_PLAN_H
 
@@ -9,20 +9,20 @@
 extern "C" {
 #endif
 
-/// Start from rsv_default_plan_desc().
+/// Options of a planned picture. Start from rsv_default_plan_desc().
 typedef struct rsv_plan_desc {
-    size_t size; ///< of this structure; rsv_default_plan_desc() sets it
-    /// Wanted RMS error of pixels, relative to what is around them (rsv_image_judgement.relative_mse is its square): 0.005 to 1,
-    /// default 0.07. 0 = as good as there is time for.
+    size_t size; ///< sizeof this structure; rsv_default_plan_desc() sets it
+    /// Target RMS error of pixels, relative to the pixels around them (its square is rsv_image_judgement.relative_mse);
+    /// 0.005..1, default 0.07. 0 = as good as time permits.
     double relative_error;
-    /// Seconds from the call on, by the clock: the picture is as good as fits into them, and depends on the machine then.
-    /// INFINITY (default) = no limit: all follows from counts and is the same on every machine.
+    /// Limit of wall time in seconds, from the start of the call. The picture is as good as time permits, and then
+    /// depends on the machine. INFINITY (default) = no limit; the result is then the same on every machine.
     double max_seconds;
-    /// Solver, seed and budgets; the plan chooses what else it says. Borrowed; NULL (default) = those of draft quality.
+    /// Solver, seed and budgets; the plan chooses everything else. Borrowed; NULL (default) = those of draft quality.
     const rsv_solve_desc *solve;
 } rsv_plan_desc;
 
-/// Defaults, for a descriptor of `size` bytes: what rsv_default_plan_desc() is made of.
+/// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_plan_desc().
 RSV_API void rsv_plan_desc_init(rsv_plan_desc *desc, size_t size);
 static inline rsv_plan_desc rsv_default_plan_desc(void)
 {
@@ -31,24 +31,25 @@ static inline rsv_plan_desc rsv_default_plan_desc(void)
     return desc;
 }
 
-/// What was chosen, and what came of it.
+/// The choices of a plan, and its result.
 typedef struct rsv_picture_plan {
-    rsv_render_mode mode; ///< RSV_RENDER_REFERENCE where there was no time for a solution
+    rsv_render_mode mode; ///< RSV_RENDER_REFERENCE if there was no time for a solution
     uint32_t element_target, rays_per_element, refinements; ///< of the last solution
-    bool goal;        ///< elements were spent on what the camera sees
-    bool gathers;     ///< indirect light is found by a gather ray per camera ray, not looked up
-    uint32_t rounds;  ///< solutions that were made
-    uint32_t samples; ///< camera rays per pixel, on average
-    double noise;     ///< estimated relative MSE by camera samples
-    double elements_error; ///< likewise by elements and their rays; NAN = it was not looked at
-    bool is_reached;       ///< whether the estimates keep to the wanted error
+    bool goal;        ///< the solution was refined for the camera's picture
+    bool gathers;     ///< indirect light is gathered with one ray per camera ray, not looked up
+    uint32_t rounds;  ///< number of solutions
+    uint32_t samples; ///< mean number of camera rays per pixel
+    double noise;     ///< estimated relative MSE due to camera samples
+    double
+        elements_error; ///< estimated relative MSE due to elements and their rays; NAN = not estimated
+    bool is_reached;    ///< whether the estimates meet the target
 } rsv_picture_plan;
 
-/// Renders mode final by a plan: solves on few elements, takes a few samples to learn their noise, looks whether the
-/// solution or the samples limit the error, and refines that.
+/// Renders a planned picture in mode final. Solves with few elements, takes a few samples to measure noise, determines
+/// whether the solution or the samples limit the error, and refines that part.
 /// @param picture size, camera, layers and seed; the plan chooses the samples
-/// @param light in: a solution to be used as it is, or NULL; out: the one used, NULL for mode reference
-/// @param plan may be NULL
+/// @param light in: a solution to use unchanged, or NULL; out: the solution used, NULL in mode reference
+/// @param plan out; may be NULL
 RSV_API rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     const rsv_render_desc *picture, rsv_light **light, rsv_image **image, rsv_picture_plan *plan);
 

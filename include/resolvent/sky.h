@@ -20,11 +20,11 @@ extern "C" {
 typedef struct rsv_site {
     double latitude;  ///< degrees, north positive
     double longitude; ///< degrees, east positive
-    double time_zone; ///< hours ahead of UTC, of the clock that times refer to
+    double time_zone; ///< hours ahead of UTC of the clock that times refer to
     double elevation; ///< metres above sea level
 } rsv_site;
 
-/// A moment of the site's clock, standard time.
+/// A date and time of the site's clock, standard time.
 typedef struct rsv_moment {
     int year, month, day; ///< Gregorian calendar; month and day from 1
     double hour;          ///< 0 to 24
@@ -37,11 +37,12 @@ typedef struct rsv_solar_position {
     rsv_vec3 direction;
 } rsv_solar_position;
 
-/// The sun as seen from a site, with parallax and without refraction. Within 0.001 degrees of NREL's Solar Position Algorithm
-/// (Reda and Andreas 2008) from 1950 to 2050; elsewhere the length of the day adds up to 0.01 degrees a century.
+/// Position of the sun as seen from a site, with parallax and without refraction. Within 0.001 degrees of NREL's Solar
+/// Position Algorithm (Reda and Andreas 2008) from 1950 to 2050; for other years, variations of Earth's rotation add up
+/// to 0.01 degrees a century.
 RSV_API rsv_solar_position rsv_sun_position(const rsv_site *site, const rsv_moment *moment);
 
-/// Days from 1 January 2000 to that day, which may be before.
+/// Days since 1 January 2000; negative before.
 RSV_API long rsv_day_number(int year, int month, int day);
 RSV_API bool rsv_is_leap_year(int year);
 /// 1 to 366.
@@ -53,25 +54,25 @@ RSV_API int rsv_day_of_year(int year, int month, int day);
 /// The traditional overcast sky (Moon and Spencer 1942), type 16 of the standard.
 #define RSV_CIE_TRADITIONAL_OVERCAST 16
 
-/// A sky's luminance, but for a factor: (1 + a exp(b / cos Z)) (1 + c (exp(d G) + f) + e cos^2 G) at the zenith angle Z and the
-/// angle G from the sun, where it is not negative.
+/// Relative luminance of a sky, at the zenith angle Z and the angle G from the sun, clamped to 0:
+/// (1 + a exp(b / cos Z)) (1 + c (exp(d G) + f) + e cos^2 G).
 typedef struct rsv_sky_shape {
     double a, b, c, d, e, f;
     rsv_vec3 sun;
-    bool linear; ///< (1 + 2 cos Z) / 3 instead
+    bool linear; ///< use (1 + 2 cos Z) / 3 instead
 } rsv_sky_shape;
 
-/// Of the CIE standard general sky (ISO 15469:2004, CIE S 011:2003).
+/// The CIE standard general sky (ISO 15469:2004, CIE S 011:2003).
 /// @param type 1 overcast, graded steeply ... 12 clear ... 15 white-blue, turbid; or RSV_CIE_TRADITIONAL_OVERCAST
 RSV_API rsv_sky_shape rsv_cie_sky(int type, rsv_vec3 sun);
 
 RSV_API double rsv_sky_shape_at(const rsv_sky_shape *shape, rsv_vec3 direction);
 
-/// What weather stations measure.
+/// Measurements of a weather station.
 typedef struct rsv_irradiance_record {
     double direct_normal;      ///< W/m2
     double diffuse_horizontal; ///< W/m2
-    double dew_point;          ///< degrees Celsius; NAN = not known: 11
+    double dew_point;          ///< degrees Celsius; NAN = unknown, 11 is used
     int day_of_year;
 } rsv_irradiance_record;
 
@@ -79,22 +80,23 @@ typedef struct rsv_irradiance_record {
 typedef struct rsv_perez_sky {
     rsv_sky_shape shape;
     double clearness, brightness; ///< epsilon and Delta of the model
-    double diffuse_illuminance;   ///< lux on the ground, of the sky alone
-    double direct_illuminance;    ///< lux of the sun, on a plane that faces it
+    double diffuse_illuminance;   ///< lux on the ground, from the sky alone
+    double direct_illuminance;    ///< lux from the sun, on a plane that faces it
 } rsv_perez_sky;
 
-/// @param sun its direction; a sun below the horizon counts as one on it, one within 3 degrees of the zenith as 3 degrees from it
+/// @param sun its direction; moved to the horizon if it is below, and to 3 degrees from the zenith if it is closer
 RSV_API rsv_perez_sky rsv_perez_sky_of(const rsv_irradiance_record *record, rsv_vec3 sun);
 
-/// The same where illuminances were measured: finds the irradiances that they stand for.
+/// The same from measured illuminances: finds the corresponding irradiances.
 /// @param diffuse, direct lux, on the ground and on a plane that faces the sun
 RSV_API rsv_perez_sky rsv_perez_sky_of_illuminance(
     double diffuse, double direct, const rsv_irradiance_record *record, rsv_vec3 sun);
 
 // ---- patches --------------------------------------------------------------------------------------
 
-/// Patches of the sky: Tregenza's 145 (1987), each divided as by Reinhart into `subdivision` squared ones. Patch 0 is the ground,
-/// all that is below the horizon; then rows from the horizon up, each from north on and round by east; the last is the zenith.
+/// Patches of the sky: the 145 of Tregenza (1987), each divided into `subdivision` squared as by Reinhart. Patch 0 is
+/// the ground, everything below the horizon. Then follow rows from the horizon upwards, each from north clockwise. The
+/// last patch is the zenith.
 typedef struct rsv_sky_patches {
     uint32_t subdivision; ///< MF, 1 to RSV_SKY_MOST_SUBDIVISIONS
     uint32_t count;       ///< 144 MF^2 + 2
@@ -105,14 +107,16 @@ typedef struct rsv_sky_patches {
 /// @param subdivision is clamped to 1..RSV_SKY_MOST_SUBDIVISIONS
 RSV_API rsv_sky_patches rsv_sky_patches_of(uint32_t subdivision);
 RSV_API uint32_t rsv_sky_patch_at(const rsv_sky_patches *patches, rsv_vec3 direction);
-/// Its middle; straight down for the ground.
+/// Direction of the centre of a patch; straight down for the ground.
 RSV_API rsv_vec3 rsv_sky_patch_direction(const rsv_sky_patches *patches, uint32_t patch);
-/// Steradians.
+/// Solid angle of a patch, steradians.
 RSV_API double rsv_sky_patch_solid_angle(const rsv_sky_patches *patches, uint32_t patch);
 
-/// Luminances of all patches under which the ground gets an illuminance of `illuminance` from the sky: those of the shape at the
-/// patches' middles, scaled. That of the ground is left as it is. A shape that is nowhere positive gives an even sky.
-/// @param luminance [patches->count]
+/// Luminances of all patches: those of the shape at the patches' centres, scaled so that the sky gives an illuminance
+/// of `illuminance` on the ground. The ground's luminance is not changed. A shape that is not positive anywhere gives a
+/// uniform sky.
+/// @param luminance out, [patches->count]
+
 RSV_API void rsv_sky_patch_luminances(const rsv_sky_patches *patches, const rsv_sky_shape *shape,
     double illuminance, float *luminance);
 
@@ -120,33 +124,33 @@ RSV_API void rsv_sky_patch_luminances(const rsv_sky_patches *patches, const rsv_
 
 /// One interval of a weather file.
 typedef struct rsv_weather_hour {
-    rsv_moment moment; ///< its middle
-    double hours;      ///< how long it is
+    rsv_moment moment; ///< middle of the interval
+    double hours;      ///< its length
     rsv_irradiance_record record;
-    /// Lux, where the file holds these instead of irradiances (WEA, unit 2); else NAN
+    /// Lux, if the file holds illuminances instead of irradiances (WEA, unit 2); otherwise NAN
     double direct_illuminance, diffuse_illuminance;
-    bool filled; ///< irradiances were missing and are those of the nearest day
+    bool filled; ///< irradiances were missing, and are those of the nearest day
 } rsv_weather_hour;
 
-/// A weather file, in its order.
+/// A weather file. Intervals are in the order of the file.
 typedef struct rsv_weather {
     char name[128]; ///< of the place
     rsv_site site;
     rsv_weather_hour *hour; ///< [count]
     size_t count;
-    size_t filled;  ///< intervals whose irradiances are another day's
-    size_t missing; ///< hours of the year that the file leaves out
-    bool leap;      ///< has a 29 February
+    size_t filled;  ///< number of intervals with the irradiances of another day
+    size_t missing; ///< hours of the year that are not in the file
+    bool leap;      ///< includes 29 February
 } rsv_weather;
 
-/// Reads EnergyPlus weather (.epw) or Daysim's .wea, told by their content. Missing irradiances are found from the global
-/// irradiance where that is known, else taken from the nearest day that has some at that hour.
-/// RSV_ERROR_IO, RSV_ERROR_FORMAT with line and column.
-/// @param weather to be freed by rsv_weather_free, even after a failure
+/// Reads EnergyPlus weather (.epw) or Daysim's .wea, detected by content. Missing irradiances are computed from the
+/// global irradiance if that is known, and otherwise taken from the nearest day that has some at that hour.
+/// RSV_ERROR_IO; RSV_ERROR_FORMAT, with line and column.
+/// @param weather out; free it with rsv_weather_free, even after an error
 RSV_API rsv_status rsv_weather_read(rsv_context *context, const char *path, rsv_weather *weather);
 RSV_API void rsv_weather_free(rsv_context *context, rsv_weather *weather);
 
-/// The sky of an interval. @param sun out: where the sun is in its middle; may be NULL
+/// The sky of an interval. @param sun out: position of the sun at its middle; may be NULL
 RSV_API rsv_perez_sky rsv_weather_sky(
     const rsv_weather *weather, size_t hour, rsv_solar_position *sun);
 

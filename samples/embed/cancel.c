@@ -1,4 +1,4 @@
-/// Work that is stopped half-way, and begun again: what a program does while its user drags a slider.
+/// Cancels a solve half-way and starts it again, as a program does while its user drags a slider.
 #include <resolvent/resolvent.h>
 
 #include <stdio.h>

@@ -66,7 +66,7 @@ int main(void)
     rsv_scene *scene = NULL;
     rsv_light *light = NULL;
     rsv_context_desc own = rsv_default_context_desc();
-    own.thread_count = 2 * THREADS; // tasks of a loop: whoever is free takes the next
+    own.thread_count = 2 * THREADS; // tasks per loop: idle threads take the next one
     own.parallel = run;
     own.user = &p;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);

@@ -8,14 +8,14 @@
 typedef struct glb_part {
     const char *name;      ///< of the material
     float base_color[4];   ///< linear; the last one covers
-    float cutoff;          ///< what covers less is not there
+    float cutoff;          ///< texels of less coverage are transparent
     float emission[3];     ///< radiance of a lamp, as baked
     uint32_t first, count; ///< into glb_scene.index
 } glb_part;
 
-/// Vertices stand in the order of the receivers of the file's light basis; what has no baked light follows.
+/// Vertices come in the order of the receivers in the file's light basis; those without baked light follow.
 typedef struct glb_scene {
-    char message[160]; ///< what went wrong
+    char message[160]; ///< the last error
     unsigned char *bytes;
     struct cJSON *json;
     uint32_t receiver_count, vertex_count, index_count, part_count, node_count;

@@ -3,9 +3,9 @@
 ///     resolvent bake cornell-blocks -o box.glb --to vertex --basis
 ///     window box.glb box.light.safetensors [FRAMES PICTURE.png]
 ///
-/// Left and right choose a light, up and down change its strength; page up and down turn a sky that was baked with
-/// --env-turns. With FRAMES, the last one is kept as a picture. Base colours are those of materials and vertices, without
-/// textures.
+/// Left and right select a light; up and down change its strength. Page up and page down turn a sky that was baked with
+/// --env-turns. With FRAMES, the last frame is saved as a picture. Base colours come from materials and vertices, not
+/// from textures.
 #define GL_GLEXT_PROTOTYPES // all that is called here is in libGL itself
 #include <SDL.h>
 #include <SDL_opengl.h>

@@ -66,7 +66,7 @@ static rsv_rgb *values_of(const basis *b, size_t light)
     return b->value + (b->is_packed ? 0 : light * values_of_one(b));
 }
 
-/// What the lights add up to, surroundings as they are.
+/// Sum of the lights, with the environment as it is.
 static void add_up(const basis *b, size_t light)
 {
     const rsv_rgb *value = values_of(b, light);
@@ -161,7 +161,7 @@ cleanup:
 
 // ---- the file -------------------------------------------------------------------------------------
 
-/// Surroundings that turn are told apart by their number: what comes last.
+/// Rotated environments are distinguished by their number, which comes last.
 static rsv_status check_turns(const basis *b)
 {
     if (!b->s->scene.view->environment)

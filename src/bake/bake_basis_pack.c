@@ -28,7 +28,8 @@ static uint16_t zigzag(uint16_t difference)
     return (uint16_t)(difference << 1 ^ (difference & 0x8000 ? 0xffff : 0));
 }
 
-/// A number of a receiver as a half; green and blue by how far they are from the channel before, which edges of shadows leave alone.
+/// A number of a receiver as a half; green and blue relative to the previous channel, which edges of shadows do not
+/// change.
 static uint16_t code_of(const float *value, size_t channel, float scale)
 {
     uint16_t half = half_of(value[channel] / scale);

@@ -1,5 +1,5 @@
-/// Bases for download: halves, as differences between one receiver and the next and one channel and the next, deflated. Neighbours are
-/// alike, and so are the colours of light, so that a tenth of the bytes will do.
+/// Bases for download: halves, as differences between successive receivers and between channels, deflated. Neighbours
+/// are similar, and so are the channels of light, so that a tenth of the bytes suffices.
 #ifndef RSV_BAKE_BASIS_PACK_H
 #define RSV_BAKE_BASIS_PACK_H
 
@@ -7,7 +7,7 @@
 
 /// One light of a basis, packed (docs/bake.md).
 typedef struct rsv_packed_light {
-    uint8_t *bytes; ///< to be freed through the context
+    uint8_t *bytes; ///< freed through the context
     size_t count;
     float scale; ///< a power of two that halves are multiplied by
 } rsv_packed_light;

@@ -17,7 +17,7 @@ static int32_t cell_along(const rsv_bake_borders *q, float x)
     return (int32_t)floorf(f_min(f_max(x / q->cell, -1e9f), 1e9f));
 }
 
-/// Cells that share a key are taken for one: their points are looked at, and found to be far away.
+/// Cells with the same key are treated as one: their points are compared, and found to be far away.
 static uint64_t key_of(int32_t x, int32_t y, int32_t z)
 {
     return (uint64_t)(uint32_t)x * 0x9e3779b97f4a7c15u ^

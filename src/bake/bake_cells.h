@@ -1,4 +1,4 @@
-/// Which cells of a triangle's quadtree must be divided for light that is linear between corners to be the light there is.
+/// Selects the cells of a triangle's quadtree to divide so that light is linear between corners, within the tolerance.
 #ifndef RSV_BAKE_CELLS_H
 #define RSV_BAKE_CELLS_H
 
@@ -22,8 +22,8 @@ typedef struct rsv_bake_cells {
 void rsv_bake_cells_decide(rsv_bake_cells *cells);
 
 rsv_bake_receiver rsv_bake_cells_receiver(const rsv_bake_cells *cells, float w1, float w2);
-/// Where light is read once more for a corner: a little on the way to the middle (m1, m2) of its cell, on the right side of jumps;
-/// if nobody sees it, at what stands in for it.
+/// A second position for reading a corner's light: slightly towards the centre (m1, m2) of its cell, on the right side
+/// of jumps; if it is hidden, that of its substitute.
 rsv_bake_receiver rsv_bake_cells_pulled(
     const rsv_bake_cells *cells, float w1, float w2, float m1, float m2);
 /// Irradiance there.

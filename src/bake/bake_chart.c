@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// What a part's triangles are to each other.
+/// Neighbourhood of a part's triangles.
 typedef struct surface {
     const rsv_bake_part *part;
     rsv_vec3 (*corner)[3];    ///< [triangle_count] world space, in the order of the file
@@ -17,7 +17,8 @@ typedef struct surface {
     uint8_t *taken;           ///< [triangle_count]
 } surface;
 
-/// The finalizer of SplitMix64 (Steele et al. 2014): mirrored places, which differ in signs alone, come out unalike.
+/// The finalizer of SplitMix64 (Steele et al. 2014): mirrored positions, which differ only in signs, get different
+/// results.
 static uint64_t mix(uint64_t h)
 {
     h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9u;
@@ -52,7 +53,7 @@ static void find_corners(surface *f, const rsv_scene_view *view)
     }
 }
 
-/// Two triangles to an edge are neighbours; where more meet, the third and later ones are nobody's.
+/// Two triangles at an edge are neighbours; if more meet, the third and later ones have no neighbour there.
 static rsv_status find_neighbours(rsv_context *context, surface *f)
 {
     rsv_status status;
@@ -148,7 +149,7 @@ static void find_axes(const surface *f, size_t count, rsv_vec3 axis[2])
     axis[1] = v3_cross(normal, axis[0]);
 }
 
-/// Room for one more chart of so many triangles. @return where its corners go
+/// Allocates one more chart with a number of triangles. @return where its corners go
 static rsv_status begin_chart(
     rsv_bake_charts *c, uint32_t part, size_t count, rsv_bake_chart **chart)
 {
@@ -224,7 +225,7 @@ static double uv_area(const uint32_t v[3], const float (*uv)[2])
                       (double)(uv[v[2]][0] - uv[v[0]][0]) * (uv[v[1]][1] - uv[v[0]][1]));
 }
 
-/// What makes a part's texture coordinates metres, in the mean; 0 = they have no area.
+/// Factor from a part's texture coordinates to metres, on average; 0 = they have no area.
 static float metres_of(const rsv_light_view *s, const rsv_bake_part *part, const float (*uv)[2])
 {
     double area = 0, flat = 0;

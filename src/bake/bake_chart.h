@@ -1,8 +1,8 @@
-/// Charts: pieces of surfaces that lie flat in a lightmap.
+/// Charts: pieces of surfaces laid flat in a lightmap.
 ///
-/// Triangles that meet at less than a crease, and whose normals stay near that of the first, are projected along
-/// their mean normal. Walls and floors become rectangles this way, undistorted; curved surfaces are compressed to
-/// less than 0.6 nowhere. Where a part's own second texture coordinates can hold light, their islands are its charts.
+/// Triangles that meet at less than a crease, and whose normals stay close to that of the first, are projected along
+/// their mean normal. Walls and floors thus become undistorted rectangles; curved surfaces are compressed by at most
+/// 0.6. If a part's own second texture coordinates are valid, their islands are its charts.
 #ifndef RSV_BAKE_CHART_H
 #define RSV_BAKE_CHART_H
 

@@ -1,32 +1,33 @@
-/// What the room tunes by, with what was measured of it. The rest is chosen, not measured.
+/// Tuning constants of the room, with the measurements behind them. Constants without a measurement were chosen.
 #ifndef RSV_BAKE_CONSTANTS_H
 #define RSV_BAKE_CONSTANTS_H
 
-/// Light below this share of the mean is dark: nobody sees relative errors there.
+/// Light below this fraction of the mean is dark: relative errors are invisible there.
 #define DARK 0.05f
 
 // ---- Which side of a surface is shown (bake_side.c) --------------------------------------------------
 
-/// A side is narrow if one sees less than so many metres from it in the mean, all beyond FAR being as far: nobody looks from
-/// within cushions, or from behind skirting boards, but from rooms. Measured: white room: armchair, cornice and skirting
-/// boards were black without; fireplace room: ceiling and panels under windows as bright as outside.
+/// A side is narrow if rays from it travel less than this many metres on average, limited to FAR: nobody looks from
+/// inside cushions or from behind skirting boards, but from rooms. Measured: white room: armchair, cornice and skirting
+/// boards were black without it; fireplace room: ceiling and panels under windows as bright as outside.
 #define NARROW 0.35
 #define FAR 2.0f
-/// It is narrower than another if one sees less than this share of what one sees there.
+/// It is narrower than another side if rays from it travel less than this fraction of the distance.
 #define NARROWER 0.5
-/// A front that receives less than this share of what its back does is in the dark.
+/// A front that receives less than this fraction of the light of its back is in the dark.
 #define DARK_FRONT 0.05
 /// Rays from each side of a surface.
 #define SIDE_RAYS 64
 /// Where neighbours' normals have a cosine of less, a surface has a crease.
 #define SIDE_CREASE 0.7f
-/// A piece between creases whose front receives so many times what its back does shows it, whatever the whole surface does: of
-/// a slab above a ceiling one sees nothing, of the beam below it that hangs on the same mesh, a face.
+/// A piece between creases whose front receives this many times the light of its back shows the front, whatever the
+/// whole surface does: a slab above a ceiling is hidden, but the beam below it, on the same mesh, has a visible face.
 #define LIGHTER 1.5
 
-// ---- What can be seen (bake_open.c) -------------------------------------------------------------------
+// ---- Visible parts (bake_open.c) ---------------------------------------------------------------------
 
-/// Rays from a place, and how far they may get in the mean within bodies of two-sided surfaces, metres: less than in a room.
+/// Rays from a place, and how far they may get in the mean within bodies of two-sided surfaces, metres: less than in a
+/// room.
 #define POCKET_RAYS 8
 #define POCKET 0.5f
 
@@ -44,13 +45,14 @@
 #define DENSITY_EXACT 1.005f
 /// A larger map must show this much more.
 #define WORTH_IT 1.02f
-/// Charts that fill less than this of their rectangle are divided, if that is more than so much of all surfaces, and if
-/// they have few triangles: parts of many are slivers, whose borders are too close to each other to be stitched. Measured,
-/// coverage at medium with charts packed by their shape: staircase 32.1 to 70.2 %, fireplace room 28.0 to 68.3 %.
+/// Charts that fill less than this of their rectangle are divided, if that is more than this fraction of all surfaces,
+/// and if they have few triangles: parts of many triangles are slivers, whose borders are too close to each other for
+/// stitching. Measured, coverage at medium with charts packed by shape: staircase 32.1 to 70.2 %, fireplace room 28.0
+/// to 68.3 %.
 #define HOLLOW 0.4
 #define HOLLOW_SHARE 0.002
 #define HOLLOW_TRIANGLES 40
-/// Sides of maps where none is asked for, and the part of them that charts of a few texels may fill.
+/// Default sides of maps, and the fraction of them that charts of a few texels may fill.
 #define FIRST_SIDE 1024
 #define LAST_SIDE 4096
 #define SMALL_CHARTS 0.4
@@ -66,8 +68,8 @@
 #define RIM 1
 /// Runs of a chart are tried so far apart first: most places are refused by one of the first.
 #define RUN_STRIDE 16
-/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many thousands
-/// would take minutes otherwise.
+/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many
+/// thousands would take minutes otherwise.
 #define LARGEST_KIND 64
 
 // ---- Shadow rays and noise (bake_map_light.c, bake_filter.c) ------------------------------------------
@@ -76,26 +78,26 @@
 #define PILOT_SAMPLES 2
 #define LATTICE_PILOT_SAMPLES 3 ///< many triangles have three points alone
 #define PILOT_REACH 3
-/// Largest change of light between patches that a mean may stand for what is between them: it is off by about an eighth of its
-/// square.
+/// Largest change of light between patches for which a mean may replace the values between them: its error is about an
+/// eighth of the square.
 #define MOST_SLOPE 0.25f
 /// Of each half where they will not.
 #define LEAST_SAMPLES 8
 #define MOST_LIGHT_SAMPLES 256
 /// Places of a patch that sources are weighed at, at most.
 #define WEIGHED_PLACES 16
-/// Emitters nearer than so many times their radius are weighed exactly; others as if they were points, which is off by
-/// less than the square of one over this.
+/// Emitters closer than this many times their radius are weighted exactly, others like points, with an error below the
+/// square of one over this.
 #define NEAR_EMITTER 8
-/// Places on emitters farther than so many times their radius are drawn by area, not by solid angle: weights differ by less
-/// than a factor of four.
+/// Points on emitters farther than this many times their radius are sampled by area instead of solid angle: weights
+/// differ by a factor of less than four.
 #define FAR_EMITTER 3
 /// Emitters whose planes are seen under a smaller sine than this are drawn from in double precision.
 #define EDGE_ON 0.02f
-/// Of each half at most, where those did not do, and how often that is asked.
+/// Upper limit for each half if those did not suffice, and number of increases.
 #define MOST_REFINED_SAMPLES 2048
 #define LIGHT_REFINEMENTS 2
-/// Deviation of a patch over the wanted error of the median one: 99 of 100 are then off by less than five times that.
+/// Deviation of a patch / target error of the median one: 99 of 100 then have less than five times that error.
 #define LARGEST_DEVIATION 1.9f
 /// Patches that a penumbra is followed by beyond where pilots found it.
 #define PENUMBRA_ROUNDS 12
@@ -107,22 +109,24 @@
 #define VARIANCE_REACH 1
 #define PATCH_REACH 1
 #define FILTER_REACH 3
-/// Larger mixes what differs more.
+/// Larger values mix texels that differ more.
 #define FILTER_STRENGTH 0.6f
 
 // ---- Indirect light gathered at vertices (bake_mend.c) ------------------------------------------------
 
-/// Rays that tell what is near; gather rays of a group, and groups of a vertex, which tell their noise.
+/// Rays that find near geometry; gather rays of a group, and groups of a vertex, which give the noise.
 #define NEAR_RAYS 16
 #define MEND_RAYS 64
 #define MEND_GROUPS 8
-/// Fewer groups where the noise of what is added is below this share of the light. Measured, vertices of cornell-blocks at draft: a
-/// quarter of the time less than with all groups, errors beside path tracing the same (median 1.9 %, 99th percentile 16 %).
+/// Fewer groups if the noise of the added light is below this fraction of the light. Measured, vertices of
+/// cornell-blocks at draft: a quarter less time than with all groups, the same errors compared with path tracing
+/// (median 1.9 %, 99th percentile 16 %).
 #define LEAST_MEND_GROUPS 3
 #define MEND_NOISE 0.01f
-/// Change of stored light within an element, as a share of the light, and the element's edge over the harmonic mean of what one sees
-/// from there: from the first on stored light is doubted, from the second on it is not used. Measured, vertices of studio
-/// at draft: the 99th percentile of errors is 26 % instead of 83 %; at medium 15 % instead of 18 %.
+/// Change of stored light within an element, relative to the light, and the element's edge / the harmonic mean of the
+/// distances seen from there: from the first value on, stored light gets less weight; from the second on, none.
+/// Measured, vertices of studio at draft: the 99th percentile of errors is 26 % instead of 83 %; at medium 15 % instead
+/// of 18 %.
 #define DOUBTED_CHANGE 0.1f
 #define WRONG_CHANGE 0.25f
 #define DOUBTED_NEAR 0.5f
@@ -130,8 +134,8 @@
 
 // ---- The error of a bake (bake_judge.c) --------------------------------------------------------------
 
-/// Shadow rays of each half of a value that is judged, and gather rays of a batch. More of both where these are off by more than
-/// JUDGED_NOISE: sun in polished metal is found by few gather rays.
+/// Shadow rays of each half of a value that is judged, and gather rays of a batch. More of both where these are off by
+/// more than JUDGED_NOISE: sun in polished metal is found by few gather rays.
 #define JUDGED_SHADOW_RAYS 1024
 #define MOST_JUDGED_SHADOW_RAYS 32768
 #define JUDGED_GATHER_RAYS 512
@@ -144,7 +148,7 @@
 /// Cells between a node and the others that a plane is fitted to, and how many nodes these may be.
 #define FIT_RINGS 4
 #define MOST_AROUND 64
-/// Departures that tell the deviation of noise, and what their median is to be multiplied by, for normal noise.
+/// Number of deviations for an estimate of noise, and factor of their median for normal noise.
 #define LEAST_DEPARTURES 6
 #define DEVIATION_BY_MEDIAN 1.4826f
 /// Deviations to each side in a confidence interval.
@@ -159,7 +163,7 @@
 #define ON_BORDER 1e-2f
 /// How much brighter or darker a texel beyond a border may be than the border.
 #define MOST_BEYOND 0.5f
-/// Samples along a border edge: so many to a texel, at most so many in all.
+/// Samples along a border edge: per texel, and maximum.
 #define SAMPLES_PER_TEXEL 2
 #define MOST_SAMPLES 64
 /// Jumps beyond this share are seen.
@@ -167,20 +171,20 @@
 /// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
 #define SEAM_SMOOTH 0.94f
 #define CONTINUOUS 0.002f
-/// Passes towards what was solved, before both sides are drawn together.
+/// Number of passes towards the solved light, before both sides are made equal.
 #define TRUE_PASSES 5
-/// A jump that nobody sees, how often that is asked, and when it is given up. Measured: cornell-marble: 0.5 % by conjugate
+/// An invisible jump, how often it is checked, and when to give up. Measured: cornell-marble: 0.5 % by conjugate
 /// gradients; 1,000 passes of Kaczmarz's method left 3.1 %.
 #define CLOSED 0.005
 #define STEPS_PER_LOOK 25
 #define MOST_STEPS 2000
 /// Light below 0 is cut off, which opens jumps again, ever smaller ones.
 #define STITCH_ROUNDS 40
-/// What stays open counts this much more in the next round, in so many of the first rounds. Measured: wooden_staircase,
-/// draft: largest seam 0.58 % instead of 5.3 %, modern_hall 0.45 % instead of 0.91 %.
+/// Factor of the weight of remaining jumps in the next round, and number of the rounds in which it applies. Measured:
+/// wooden_staircase, draft: largest seam 0.58 % instead of 5.3 %, modern_hall 0.45 % instead of 0.91 %.
 #define STRESS 2
 #define STRESSED_ROUNDS 12
-/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
+/// Texels on surfaces change this much less than those beyond borders, which are otherwise invisible.
 #define STIFFNESS 0.2f
 /// How often charts whose seams stay open get more texels. Measured: white room, draft: largest seam 6.1 % without, 2 %
 /// after three rounds, below 1 % after five.
@@ -192,11 +196,11 @@
 
 /// How far on the way to the middle of a cell its corners are looked up.
 #define PULL 1e-3f
-/// What is this near to an edge lies on it: a share of the finest cells, or what coordinates are rounded to, as a share of the
-/// largest.
+/// Points this close to an edge are on it: a fraction of the finest cells, or the rounding of coordinates, relative to
+/// the largest.
 #define ON_EDGE 1e-3f
 #define ROUNDED 4e-7f
-/// Unlit vertices of so many times the mean light are white: viewers show them as they are, as a photograph would.
+/// Unlit vertices with this many times the mean light are white: viewers show them unchanged, as a photograph would.
 #define UNLIT_WHITE 4
 /// Light that is no brighter than this times another was only rounded.
 #define SAME 1.00001f
@@ -210,7 +214,8 @@
 /// Bytes of a basis that is announced before it is made, and that is refused where no limit of memory was given.
 #define LARGE_BASIS (256 * 1e6)
 #define LARGEST_BASIS (16 * 1e9)
-/// More lights take minutes: that is said too. Measured: a room of 100 lamps, draft, 128 x 112 texels: 48 s of CPU time.
+/// More lights take minutes: that is said too. Measured: a room of 100 lamps, draft, 128 x 112 texels: 48 s of CPU
+/// time.
 #define MANY_LIGHTS 32
 
 // ---- Light by direction and relit light (bake_directions.c, bake_relit.c) ----------------------------
@@ -222,7 +227,7 @@
 #define TILT_SAMPLES 64
 /// d, at most.
 #define LONGEST 4.0f
-/// Relative to what is compared: what differs by less was only rounded.
+/// Relative difference that is due to rounding.
 #define ROUNDING 1e-5f
 
 #endif

@@ -5,7 +5,7 @@
 #include "bake_constants.h"
 #include "bake_receiver.h"
 
-/// A patch as sources light it. Not to be copied.
+/// A patch for light from sources. Must not be copied.
 typedef struct lit_patch {
     const rsv_light_view *s;
     const rsv_bake_sources *sources;
@@ -101,8 +101,8 @@ static void sample_sources(
     }
 }
 
-/// One channel of a half's estimate. The share that is seen is that of both halves, linearised for each: a ratio of few samples
-/// would be biased.
+/// One channel of a half's estimate. The share that is seen is that of both halves, linearised for each: a ratio of few
+/// samples would be biased.
 static float ratio(float unshadowed, float visible, float open, float all_visible, float all_open)
 {
     if (!(all_open > 0)) return 0;

@@ -1,22 +1,23 @@
-/// Light on one patch of a surface: what elements store of it, and what shadow rays find of sources there.
+/// Light on one patch of a surface: the stored light of elements, and light of sources by shadow rays.
 ///
-/// Elements are larger than texels, and smear the edges of shadows over them. So of direct light only what gather rays and
-/// photons bring is looked up; sources are asked from the patch itself. What they would give without shadows is known in closed
-/// form (Lambert's formula), so that only visibility is sampled, and no noise is left where all of a source is seen, or none.
+/// Elements are larger than texels and blur the edges of shadows. Of direct light, therefore, only the part of gather
+/// rays and photons is looked up; sources are sampled from the patch itself. Their unshadowed light is known in closed
+/// form (Lambert's formula), so only visibility is sampled, and there is no noise where all of a source is visible, or
+/// none.
 #ifndef RSV_BAKE_DIRECT_H
 #define RSV_BAKE_DIRECT_H
 
 #include "bake_patch.h"
 #include "bake_sources.h"
 
-/// What shadow rays found.
+/// Result of shadow rays.
 typedef struct rsv_bake_estimate {
     rsv_rgb stored;   ///< looked up
     rsv_rgb punctual; ///< of punctual lights
     rsv_rgb half[2];  ///< of all other sources, by two sets of shadow rays that are independent
-    float seen;       ///< share of the light of those that closed forms know
+    float seen;       ///< visible fraction of the light in closed forms
     float open;       ///< luminance of it without shadows
-    /// Variance of what one shadow ray finds of emitters that a tree chose, by its choice; luminance.
+    /// Variance of one shadow ray to emitters chosen by a tree, due to the choice; luminance.
     float choice;
 } rsv_bake_estimate;
 
@@ -31,15 +32,15 @@ typedef struct rsv_bake_lamps {
 rsv_bake_estimate rsv_bake_estimate_patch(
     const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, uint32_t samples, uint32_t seed);
 
-/// Standard error of the mean of the halves, by what share of sources is seen; W/m2, luminance.
+/// Standard error of the mean of the halves, from the visible fraction of sources; W/m2, luminance.
 float rsv_bake_estimate_error(const rsv_bake_estimate *estimate, uint32_t samples);
 
-/// The light of a patch, with as many shadow rays as the wanted error takes, up to a limit.
-/// @param error wanted, W/m2
+/// The light of a patch, with as many shadow rays as the target error requires, up to a limit.
+/// @param error target, W/m2
 rsv_rgb rsv_bake_light_patch(
     const rsv_bake_lamps *lamps, const rsv_bake_patch *patch, float error, uint32_t seed);
 
-/// What elements store of the light at a place, without what shadow rays find; of translucent surfaces, all.
+/// Stored light at a place, without the part that shadow rays find; for translucent surfaces, all of it.
 rsv_rgb rsv_bake_stored(const rsv_light_view *light, const rsv_surface_place *place);
 
 /// The mean of that over a patch.

@@ -1,12 +1,12 @@
-/// Where light comes from, as far as it matters to normals near a surface's own.
+/// Directions of incoming light, for normals close to a surface's own.
 ///
-/// Irradiance for a normal m that differs from the surface's n is taken to be linear in m, which is what spherical
-/// harmonics of order 1 amount to:
+/// Irradiance for a normal m other than the surface's n is assumed to be linear in m, as with spherical harmonics of
+/// order 1:
 ///
 ///     E(m) = (E + V . m) / 2     with V . n = E, so that it is E for m = n
 ///
-/// V = E (n + d) for each channel. d is a tangential vector, known at the coarse nodes: it changes slowly, even where
-/// shadows cut through E. It is fitted to irradiance that is gathered for n and three normals around it.
+/// V = E (n + d) for each channel. d is a tangential vector at the coarse nodes. It varies slowly, even where shadows
+/// cut through E, and is fitted to irradiance gathered for n and three normals around it.
 #ifndef RSV_BAKE_DIRECTIONS_H
 #define RSV_BAKE_DIRECTIONS_H
 

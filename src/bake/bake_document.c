@@ -33,7 +33,7 @@ static double number_of(const cJSON *object, const char *name, double otherwise)
     return cJSON_IsNumber(item) ? item->valuedouble : otherwise;
 }
 
-/// Joins all buffers into one, which keeps what else is said of the first.
+/// Joins all buffers into one, which keeps other properties of the first.
 static rsv_status join_buffers(rsv_bake_document *d)
 {
     const rsv_gltf_document *gltf = d->gltf;
@@ -67,7 +67,7 @@ static const char *mime_type(const uint8_t *bytes, size_t count)
     return NULL;
 }
 
-/// Takes pictures in that lie beside the file.
+/// Embeds images that are separate files.
 static void embed_images(rsv_bake_document *d)
 {
     size_t k = 0;
@@ -85,7 +85,7 @@ static void embed_images(rsv_bake_document *d)
     }
 }
 
-/// Likewise luminaires.
+/// Embeds luminaires in the same way.
 static void embed_luminaires(rsv_bake_document *d)
 {
     size_t k = 0;
@@ -104,7 +104,7 @@ static void embed_luminaires(rsv_bake_document *d)
     }
 }
 
-/// @param archive [count] what the scene keeps, or is as a file
+/// @param archive [count] the scene's document, or the scene as a file
 static rsv_status read_archive(rsv_bake_document *d, const uint8_t *archive, size_t count)
 {
     char message[512];
@@ -310,8 +310,8 @@ static void append_chunk(
     rsv_atomic_file_append(file, pad, rest);
 }
 
-/// cJSON takes 15 digits for enough where they come close. A number that needs more becomes text of its own, so that all are
-/// read back as they were.
+/// cJSON takes 15 digits for enough where they come close. A number that needs more becomes text of its own, so that
+/// all are read back as they were.
 static void keep_digits(rsv_bake_document *d, cJSON *item)
 {
     char digits[RSV_NUMBER_BYTES];

@@ -1,7 +1,7 @@
-/// A glTF file to be changed in places: its JSON as it stands, and all its buffers as one.
+/// A glTF file for partial changes: its JSON as it is, and all its buffers as one.
 ///
-/// What is not touched stays: nodes, animations, cameras, extras, extensions that nobody here knows. Buffers and pictures
-/// beside the file are taken in, so that the result stands alone.
+/// Everything else stays unchanged: nodes, animations, cameras, extras, unknown extensions. External buffers and images
+/// are embedded, so that the result is self-contained.
 #ifndef RSV_BAKE_DOCUMENT_H
 #define RSV_BAKE_DOCUMENT_H
 
@@ -10,7 +10,7 @@
 
 #include <cjson/cJSON.h>
 
-/// What a buffer view is bound to.
+/// Target of a buffer view.
 enum { RSV_BAKE_VERTICES = 34962, RSV_BAKE_INDICES = 34963 };
 
 typedef struct rsv_bake_document {
@@ -21,10 +21,10 @@ typedef struct rsv_bake_document {
     cJSON *root;
     uint8_t *bytes; ///< of the only buffer
     size_t byte_count, byte_capacity;
-    bool exhausted; ///< something could not be allocated; told when it is written
+    bool exhausted; ///< an allocation failed; reported when it is written
 } rsv_bake_document;
 
-/// The document that a scene keeps, which must outlive this; or one made of the scene, where it keeps none.
+/// The document of a scene, which must outlive this; or one generated from the scene, if it has none.
 rsv_status rsv_bake_document_open(const rsv_scene *scene, rsv_bake_document *document);
 void rsv_bake_document_close(rsv_bake_document *document);
 /// Writes binary glTF. The file appears complete or not at all.
@@ -32,7 +32,7 @@ rsv_status rsv_bake_document_write(rsv_bake_document *document, const char *path
 
 /// The array `name` of an object, made if it is missing. NULL on exhaustion, as the others.
 cJSON *rsv_bake_array(rsv_bake_document *document, cJSON *parent, const char *name);
-/// The object `name` likewise.
+/// The object `name`, created if necessary.
 cJSON *rsv_bake_object(rsv_bake_document *document, cJSON *parent, const char *name);
 void rsv_bake_number(rsv_bake_document *document, cJSON *parent, const char *name, double value);
 void rsv_bake_string(

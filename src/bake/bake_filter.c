@@ -18,7 +18,8 @@ static bool is_beside(const rsv_bake_noisy_map *map, uint32_t group, long x, lon
     return map->group[*texel] == group;
 }
 
-/// Half the squared difference of the halves is the variance of one; the mean over a few neighbours is less noisy itself.
+/// Half the squared difference of the halves is the variance of one; the mean over a few neighbours is less noisy
+/// itself.
 static void find_variance(const filter *f, size_t texel)
 {
     const rsv_bake_noisy_map *map = f->map;
@@ -35,7 +36,7 @@ static void find_variance(const filter *f, size_t texel)
     f->variance[texel] = count > 0 ? sum / count : 0;
 }
 
-/// Squared distance of two texels' neighbourhoods in one half, in units of what noise explains.
+/// Squared distance of two texels' neighbourhoods in one half, relative to that expected from noise.
 static float distance(const filter *f, int half, size_t p, size_t q)
 {
     const rsv_bake_noisy_map *map = f->map;
@@ -58,7 +59,7 @@ static float distance(const filter *f, int half, size_t p, size_t q)
     return count > 0 ? f_max(sum / count, 0) : 0;
 }
 
-/// @param result out: both halves of a texel, each filtered by what the other shows
+/// @param result out: both halves of a texel, each filtered with weights from the other
 static void filter_texel(const filter *f, size_t texel, rsv_rgb result[2])
 {
     const rsv_bake_noisy_map *map = f->map;
@@ -101,7 +102,7 @@ static void filter_texels(void *job, rsv_span span)
     const rsv_bake_noisy_map *map = f->map;
     for (size_t k = span.begin; k < span.end; k++) {
         rsv_rgb result[2] = { map->half[0][k], map->half[1][k] };
-        // where the halves agree all of a source is seen, or nothing: there is no noise to be filtered
+        // where the halves agree, all of a source is visible, or none: there is no noise to filter
         bool noisy = map->group[k] != RSV_NONE && f->luminance[0][k] != f->luminance[1][k] &&
                      !rsv_cancelled(f->context);
         if (noisy) filter_texel(f, k, result);

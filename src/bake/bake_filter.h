@@ -1,6 +1,7 @@
-/// Noise of a map taken out by means over neighbours that show the same light: non-local means by known variances, each of two
-/// independent halves weighed by the other, so that noise does not choose its own neighbours (Rousselle et al., "Adaptive
-/// rendering with non-local means filtering", 2012). Edges of shadows stay: neighbours beyond them differ by more than noise.
+/// Noise of a map taken out by means over neighbours that show the same light: non-local means by known variances, each
+/// of two independent halves weighed by the other, so that noise does not choose its own neighbours (Rousselle et al.,
+/// "Adaptive rendering with non-local means filtering", 2012). Edges of shadows stay: neighbours beyond them differ by
+/// more than noise.
 #ifndef RSV_BAKE_FILTER_H
 #define RSV_BAKE_FILTER_H
 

@@ -7,7 +7,7 @@
 #include "../render/lit_gather.h"
 #include "../render/pixel_direct.h"
 
-/// The place at which light is gathered. Not to be copied.
+/// The place at which light is gathered. Must not be copied.
 typedef struct gatherer {
     const rsv_light_view *s;
     rsv_lit_setting setting;
@@ -29,7 +29,7 @@ static void set_up(gatherer *g, const rsv_light_view *s, const rsv_surface_place
     g->coat = rsv_surface_bsdf(view, s->bsdf, footprint, &g->storage);
 }
 
-/// What a surface that a ray has ended on reflects.
+/// Reflected light of a surface on which a ray has ended.
 static rsv_rgb radiance_of_surface(
     const gatherer *g, const rsv_specular_path *end, rsv_random *random)
 {
@@ -74,7 +74,7 @@ rsv_rgb rsv_bake_gather(
         rsv_random random = rsv_random_from(seed, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction = v3_turned_to(g.at.point.normal, d);
-        // what a tilted normal sends below the surface counts, and finds nothing
+        // directions below the surface, due to a tilted normal, count, but find nothing
         if (v3_dot(direction, g.at.point.horizon) <= 0) continue;
         sum = rgb_add(
             sum, rgb_mul(rsv_bsdf_entry(g.coat, d.z), radiance_along(&g, direction, &random)));

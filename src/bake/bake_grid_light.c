@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/// What few shadow rays of a patch found.
+/// Result of a patch's first few shadow rays.
 typedef struct pilot {
     float open, seen, choice; ///< of rsv_bake_estimate
     float light;              ///< luminance of all
@@ -23,9 +23,9 @@ typedef struct grid_light {
     const rsv_bake_accuracy *accuracy;
     size_t count;
     pilot *pilot;         ///< [count]
-    rsv_rgb *half[2];     ///< [count] of all that shadow rays find
+    rsv_rgb *half[2];     ///< [count] light found by shadow rays
     rsv_rgb *filtered[2]; ///< [count] the same without noise
-    uint16_t *samples;    ///< [count] shadow rays of each half; 0 = what others found
+    uint16_t *samples;    ///< [count] shadow rays of each half; 0 = taken from neighbours
     rsv_rgb *light;       ///< [count] of the rest
     rsv_bake_grid_open open;
     const uint32_t *group; ///< [count] of patches in the open
@@ -55,7 +55,7 @@ static rsv_bake_estimate look(grid_light *q, size_t k, uint32_t samples, uint32_
 
 // ---- patches between others -----------------------------------------------------------------------
 
-/// Patches beside one in even columns and rows, which may stand for it; 0 if it stands for itself.
+/// Neighbouring patches in even columns and rows whose mean may replace it; 0 if it is sampled itself.
 static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
 {
     const rsv_bake_grid *grid = q->grid;
@@ -70,8 +70,7 @@ static uint32_t find_leads(const grid_light *q, size_t at, size_t lead[4])
     return count;
 }
 
-/// Means over the patches around that pilots were sent from: one that asked itself alone would stop where its few rays happen
-/// to agree.
+/// Means over the surrounding pilot patches: a patch that used only its own rays would stop where they happen to agree.
 static pilot look_around(const grid_light *q, size_t at)
 {
     const rsv_bake_grid *grid = q->grid;
@@ -100,7 +99,7 @@ static pilot look_around(const grid_light *q, size_t at)
 /// Whether sources are seen in part.
 static bool is_mixed(const pilot *p) { return p->seen > 0 && p->seen < 1; }
 
-/// Takes the mean of the patches beside a patch, if no shadow ends there and light does not change quickly.
+/// Takes the mean of the neighbouring patches, if there is no shadow edge and light varies slowly.
 static bool interpolate(grid_light *q, size_t at, const size_t *lead, uint32_t count)
 {
     const pilot around = look_around(q, at);
@@ -141,7 +140,7 @@ static void take_pilots(void *job, rsv_span span)
     }
 }
 
-/// Shadow rays of each half that the wanted error takes; 0 = those of the pilot will do.
+/// Shadow rays of each half that the target error requires; 0 = those of the pilot suffice.
 static uint32_t wanted_samples(const grid_light *q, size_t at)
 {
     const pilot p = look_around(q, at);
@@ -189,7 +188,7 @@ static float sampled_luminance(const grid_light *q, size_t k)
     return rgb_luminance(q->half[0][k]) + rgb_luminance(q->half[1][k]);
 }
 
-/// Shadow rays that a patch without light is to send because one beside it has some; 0 = it is not, or did.
+/// Shadow rays for a patch without light next to one with light; 0 = not such a patch, or already sampled.
 static uint32_t beside_light(const grid_light *q, size_t at)
 {
     const rsv_bake_grid *grid = q->grid;
@@ -249,7 +248,7 @@ static rsv_status follow_penumbrae(grid_light *q)
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
-// ---- what is left of noise ------------------------------------------------------------------------
+// ---- remaining noise -----------------------------------------------------------------------------
 
 /// Standard error of a patch, relative: half the difference of the halves, in the mean of squares over its neighbours.
 static float error_around(const grid_light *q, size_t at)

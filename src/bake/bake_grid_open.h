@@ -13,8 +13,8 @@ typedef struct rsv_bake_grid_open {
     size_t count;
     uint16_t *covered; ///< [count] places of each patch, bit by bit
     uint32_t *group;   ///< [count] that of the grid; RSV_NONE = all of the patch is covered
-    /// [count] the nearest patch in the open of the same group, steps counted along rows and columns; itself, if it is one; RSV_NONE
-    /// where there is no patch
+    /// [count] the nearest patch in the open of the same group, steps counted along rows and columns; itself, if it is
+    /// one; RSV_NONE where there is no patch
     uint32_t *stand_in;
 } rsv_bake_grid_open;
 

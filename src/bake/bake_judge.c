@@ -47,7 +47,7 @@ void rsv_bake_judge_destroy(rsv_bake_judge *judge)
     judge->value = NULL;
 }
 
-// ---- the same light anew --------------------------------------------------------------------------
+// ---- independent estimates -----------------------------------------------------------------------
 
 /// With as many shadow rays as it takes: few find the last of a penumbra.
 static rsv_bake_estimate estimate_direct(
@@ -62,7 +62,7 @@ static rsv_bake_estimate estimate_direct(
     return rsv_bake_estimate_patch(lamps, patch, samples, rsv_hash2(seed, 1));
 }
 
-/// A value anew, luminance, and its standard error.
+/// An independent estimate, luminance, and its standard error.
 typedef struct judgement {
     double light, noise;
 } judgement;
@@ -77,7 +77,7 @@ static double gather_batch(const rsv_light_view *s, const rsv_bake_patch *patch,
     return (double)rgb_luminance(sum) / patch->count;
 }
 
-/// @param direct light that is known already, beside which noise is measured
+/// @param direct light that is already known, to which noise is relative
 static judgement gather(
     const rsv_light_view *s, const rsv_bake_patch *patch, uint32_t seed, double direct, float dark)
 {
@@ -121,12 +121,12 @@ static double percentile(double *value, size_t count, double share)
     return value[(size_t)(share * (double)(count - 1) + 0.5)];
 }
 
-/// Values beside estimates of them.
+/// Values and their independent estimates.
 typedef struct comparison {
     const rsv_bake_judge *judge;
     rsv_bake_lamps lamps;
     float dark;
-    double *error, *noise; ///< [count] relative; noise is what the estimate itself is off by
+    double *error, *noise; ///< [count] relative; noise is the standard error of the estimate
 } comparison;
 
 static void compare_span(void *job, rsv_span span)

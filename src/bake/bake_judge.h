@@ -1,5 +1,5 @@
-/// The error of a bake, measured: values at random beside the same light estimated anew, from rays of their own and without what
-/// elements store at them.
+/// Measures the error of a bake: random values are compared with independent estimates of the same light, which do not
+/// use the stored light of elements there.
 #ifndef RSV_BAKE_JUDGE_H
 #define RSV_BAKE_JUDGE_H
 
@@ -16,14 +16,14 @@ typedef struct rsv_bake_judge {
     uint32_t wanted; ///< values, about
     rsv_bake_judged *value;
     size_t count, capacity;
-    rsv_bake_visitor visitor; ///< to be shown the values of the bake
+    rsv_bake_visitor visitor; ///< receives the values of the bake
 } rsv_bake_judge;
 
-/// Zero to be told apart: nothing is judged if `wanted` is 0.
+/// If `wanted` is 0, no errors are measured.
 rsv_status rsv_bake_judge_create(
     const rsv_light_view *light, uint32_t wanted, rsv_bake_judge *judge);
 
-/// @param dark W/m2 beside which errors are measured @param report out: what was found of errors
+/// @param dark W/m2, lower limit of the light to which errors are relative @param report out: the errors
 rsv_status rsv_bake_judge_finish(const rsv_bake_judge *judge, float dark, rsv_bake_report *report);
 
 void rsv_bake_judge_destroy(rsv_bake_judge *judge);

@@ -19,7 +19,7 @@ enum {
     TEXELS_AT = DESCRIPTOR_AT + 4 * DESCRIPTOR_WORDS,
 };
 
-/// As EXT_texture_shared_exponent has it.
+/// As in EXT_texture_shared_exponent.
 uint32_t rsv_rgb9e5(rsv_rgb color)
 {
     float c[3];

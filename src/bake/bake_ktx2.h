@@ -7,7 +7,8 @@
 
 #define RSV_RGB9E5_MOST 65408.0f ///< the brightest that can be held
 
-/// The code of a colour: nine bits each, red lowest, and five of their exponent. Brighter channels become the brightest.
+/// The code of a colour: nine bits each, red lowest, and five of their exponent. Brighter channels become the
+/// brightest.
 uint32_t rsv_rgb9e5(rsv_rgb color);
 
 /// @param texel [width * height] row by row from the top

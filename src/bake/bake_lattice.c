@@ -62,7 +62,7 @@ void rsv_bake_vertex_patch(
     patch_around(s, place, patch);
 }
 
-/// The same for all triangles that have the point: what they receive there is then found by the same random numbers.
+/// The same for all triangles at the point, so that their light there uses the same random numbers.
 static uint32_t number_of_point(const rsv_bake_lattices *l, const rsv_surface_place *place)
 {
     const rsv_scene_view *view = l->s->scene.view;

@@ -1,9 +1,9 @@
 /// Light on regular grids of points over the triangles of a part.
 ///
-/// What a point, and a vertex there, stands for is the mean over a patch around it, as wide as cells of the finest grid: the part of
-/// it on its own triangle that can be seen (bake_open.h). Where light bends little that is the light at the point. Where a shadow
-/// ends within a cell, no value of a vertex is right all around it; the vertices of least squared error would be brighter and darker
-/// than any light there is, on both sides of the edge.
+/// A point, or a vertex there, represents the mean over a patch around it, as wide as cells of the finest grid: the
+/// visible part of it on its own triangle (bake_open.h). Where light varies smoothly, this is the light at the point.
+/// Where the edge of a shadow crosses a cell, no value is right on all sides of a vertex; a least-squares fit would
+/// make vertices brighter or darker than any real light, on both sides of the edge.
 #ifndef RSV_BAKE_LATTICE_H
 #define RSV_BAKE_LATTICE_H
 
@@ -11,7 +11,8 @@
 
 #define RSV_BAKE_DEEPEST 9 ///< halvings of a triangle's sides at most
 
-/// Of a triangle divided `depth` times, point (i, j) has the weights i and j over 2^depth of the file's corners 1 and 2.
+/// Of a triangle divided `depth` times, point (i, j) has the weights i and j over 2^depth of the file's corners 1 and
+/// 2.
 typedef struct rsv_bake_lattices {
     rsv_context *context;
     const rsv_light_view *s;
@@ -23,7 +24,7 @@ typedef struct rsv_bake_lattices {
     uint32_t *group; ///< [height * width] triangle; RSV_NONE = none
     rsv_rgb *light;  ///< [height * width]
     uint32_t *
-        stand_in; ///< [height * width] the point whose light each has: itself, unless nobody sees it
+        stand_in; ///< [height * width] the point whose light each has: itself, unless it is hidden
 } rsv_bake_lattices;
 
 /// @param finest metres: sides are not halved below @param divide whether they are at all
@@ -36,14 +37,14 @@ rsv_status rsv_bake_lattices_light(rsv_bake_lattices *lattices, const rsv_bake_a
 /// Light there, linear between points. @param w1, w2 weights of the file's corners 1 and 2
 rsv_rgb rsv_bake_lattices_at(const rsv_bake_lattices *lattices, uint32_t t, float w1, float w2);
 
-/// Whether somebody sees the point of a lattice that is nearest.
+/// Whether the nearest point of a lattice is visible.
 bool rsv_bake_lattices_is_open(const rsv_bake_lattices *lattices, uint32_t t, float w1, float w2);
 
-/// The point of a lattice that stands in for the nearest one. @param w in: weights of corners 1 and 2; out: its own, unless
-/// the nearest stands for itself
+/// The point of a lattice that stands in for the nearest one. @param w in: weights of corners 1 and 2; out: its own,
+/// unless the nearest stands for itself
 void rsv_bake_lattices_stand_in(const rsv_bake_lattices *lattices, uint32_t t, float w[2]);
 
-/// What a vertex stands for: places around it on its triangle, as far as half the finest cells.
+/// The patch of a vertex: places around it on its triangle, within half the finest cells.
 void rsv_bake_vertex_patch(const rsv_light_view *solution, const rsv_bake_receiver *receiver,
     float finest, rsv_bake_patch *patch);
 

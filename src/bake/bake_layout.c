@@ -23,15 +23,14 @@ static bool is_collapsed(const rsv_bake_layout *b, const rsv_bake_charts *charts
     return collapsed > MOST_COLLAPSED * all;
 }
 
-/// Whether so many charts, of a few texels each, crowd a map of that side.
+/// Whether this number of charts, of a few texels each, would crowd a map of that side.
 static bool is_crowded(const rsv_bake_layout *b, size_t charts, uint32_t side)
 {
     double least = b->desc->padding + 2.0;
     return (double)charts * least * least > SMALL_CHARTS * side * side;
 }
 
-/// Whether texture coordinates have so many islands, such as one for each triangle, that charts of them would crowd the
-/// map.
+/// Whether texture coordinates have so many islands (such as one per triangle) that their charts would crowd the map.
 static rsv_status find_pieces(
     const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
 {
@@ -170,7 +169,7 @@ static rsv_status divide_hollow_charts(rsv_bake_layout *b, bool *any)
     return RSV_OK;
 }
 
-/// Texels along a side at most: as asked for, or so many that charts of a few texels do not fill the map.
+/// Largest side in texels: as requested, or large enough that charts of a few texels do not fill the map.
 static uint32_t largest_side(const rsv_bake_layout *b)
 {
     uint32_t side = b->desc->map_size;
@@ -180,8 +179,8 @@ static uint32_t largest_side(const rsv_bake_layout *b)
     return side;
 }
 
-/// The largest density, up to `most`, at which everything fits into a square; 0 = none does.
-/// @param step what is tried next if `most` is too much, as a share of it; from there on it widens
+/// The largest density, up to `most`, at which everything fits into a square; 0 = none.
+/// @param step next fraction of `most` to try if that is too much; then it gets smaller
 static rsv_status find_density(
     rsv_bake_layout *b, uint32_t side, float most, float step, float *density)
 {
@@ -202,8 +201,8 @@ cleanup:
     return status;
 }
 
-/// Packs at the density asked for or, where that is too much or none is asked for, at about the largest that fits, into
-/// the narrowest map that holds it.
+/// Packs at the requested density or, if that is too much or none is requested, at about the largest that fits, into
+/// the narrowest map.
 static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
 {
     rsv_status status;

@@ -18,11 +18,11 @@ typedef struct rsv_bake_layout {
     uint32_t side;    ///< texels that the map may have along a side
 } rsv_bake_layout;
 
-/// Borrows all that it is made of. To be destroyed even after an error.
+/// Borrows all its input. Destroy it even after an error.
 rsv_status rsv_bake_layout_create(const rsv_light_view *solution, const rsv_bake_desc *desc,
     const rsv_bake_document *document, const rsv_bake_parts *parts, rsv_bake_layout *layout);
 
-/// Gives chosen charts, but for large ones, twice as many texels along their sides, and lays all out anew.
+/// Gives selected charts, except large ones, twice as many texels along their sides, and creates the layout again.
 /// @param chosen [charts.count] @param any out: whether there were any
 rsv_status rsv_bake_layout_refine(rsv_bake_layout *layout, const uint8_t *chosen, bool *any);
 void rsv_bake_layout_destroy(rsv_bake_layout *layout);

@@ -15,7 +15,7 @@
 
 // ---- pictures -------------------------------------------------------------------------------------
 
-/// As MOZ_lightmap has it: sRGB, which leaves more codes to the dark.
+/// sRGB, as in MOZ_lightmap, which has more codes for dark values.
 static uint8_t code_of(float value)
 {
     return (uint8_t)(255 * rsv_srgb_encode((double)f_min(f_max(value, 0), 1)) + 0.5);
@@ -54,7 +54,7 @@ cleanup:
     return status;
 }
 
-/// A picture of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
+/// An image of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
 static rsv_status write_exr(
     const rsv_lightmap_bake *b, const char *output, const char *suffix, const rsv_rgb *texel)
 {
@@ -194,7 +194,7 @@ static void set_coordinates(rsv_bake_document *d, cJSON *primitive, int set, int
     }
 }
 
-/// Unlit materials show their colour, whatever the light.
+/// Unlit materials show their colour in any light.
 static bool is_unlit(const cJSON *material)
 {
     const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(material, "extensions");
@@ -232,7 +232,9 @@ rsv_status rsv_lightmap_bake_write(rsv_lightmap_bake *b, const char *output)
     for (uint32_t k = 0; k < b->parts.count; k++)
         if (rsv_bake_carries_light(b->s, &b->parts.part[k]))
             RSV_TRY(write_part(b, k, texture, set));
+#if !defined(RSV_WITHOUT_OPENEXR) // in web pages, the basis holds light in full precision
     RSV_TRY(write_exr(b, output, "lightmap", b->layout.map.light));
+#endif
     if (b->desc->ktx2) RSV_TRY(write_ktx2(b, output));
     if (b->desc->directional) RSV_TRY(write_directions(b, output));
     RSV_TRY(rsv_bake_document_write(&b->document, output));

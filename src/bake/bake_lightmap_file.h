@@ -16,7 +16,7 @@ typedef struct rsv_lightmap_bake {
     double largest_seam;
 } rsv_lightmap_bake;
 
-/// Writes the glTF file, with the map as a texture of 8-bit codes, and the pictures in full precision beside it.
+/// Writes the glTF file, with the map as a texture of 8-bit codes, and separate images in full precision.
 rsv_status rsv_lightmap_bake_write(rsv_lightmap_bake *bake, const char *output);
 
 #endif

@@ -13,7 +13,8 @@ typedef struct map_light {
 
 // ---- beyond borders -------------------------------------------------------------------------------
 
-/// Share of the change from `back` to `on` that a texel beyond a border goes on by: it stays near to what is on the border.
+/// Limits the extrapolation beyond a border from the change between `back` and `on`, so that texels stay close to the
+/// border's value.
 static float limit(float beyond, rsv_rgb on, rsv_rgb back)
 {
     float change = f_max(fabsf(on.r - back.r), f_max(fabsf(on.g - back.g), fabsf(on.b - back.b)));
@@ -40,7 +41,7 @@ static rsv_rgb extend(const map_light *q, size_t texel)
     return rgb_positive(rgb_mad(q->light[texel], beyond, rgb_sub(q->light[texel], q->light[back])));
 }
 
-/// All that is beyond charts: some of it continues them, the rest repeats what is next to it.
+/// Fills texels beyond charts: some extrapolate the charts, the rest repeat their neighbours.
 static void fill(const map_light *q, rsv_rgb *light)
 {
     const rsv_bake_map *map = q->sheet->map;

@@ -28,7 +28,7 @@ static float change_within(const rsv_light_view *s, const rsv_surface_place *p, 
     return high - low;
 }
 
-/// Harmonic mean of what one sees from a place, 1/m.
+/// Harmonic mean of the distances seen from a place, as its inverse, 1/m.
 static float nearness(const rsv_light_view *s, const rsv_surface_place *p)
 {
     rsv_surface_point at = rsv_surface_point_at(s->scene.view, p->triangle, p->u, p->v, p->back);
@@ -45,7 +45,7 @@ static float nearness(const rsv_light_view *s, const rsv_surface_place *p)
     return sum / NEAR_RAYS;
 }
 
-/// Share of what is stored that is to be replaced.
+/// Fraction of the stored light to replace.
 static float doubt(const rsv_light_view *s, const rsv_surface_place *p, float total)
 {
     float size, change = change_within(s, p, &size) / total;
@@ -53,7 +53,7 @@ static float doubt(const rsv_light_view *s, const rsv_surface_place *p, float to
     return steep == 1 ? 1 : f_max(steep, ramp(size * nearness(s, p), DOUBTED_NEAR, WRONG_NEAR));
 }
 
-/// Mean over a patch of what rays of one group gather.
+/// Mean over a patch of the light gathered by one group of rays.
 static rsv_rgb gather_patch(const rsv_light_view *s, const rsv_bake_patch *patch, uint32_t seed)
 {
     rsv_rgb sum = rgb_gray(0);
@@ -63,13 +63,13 @@ static rsv_rgb gather_patch(const rsv_light_view *s, const rsv_bake_patch *patch
     return rgb_scale(sum, 1 / (float)patch->count);
 }
 
-/// By how much what is gathered differs from what is stored.
+/// Difference between gathered and stored light.
 typedef struct difference {
     rsv_rgb mean;
     float square, noise; ///< of its luminance: squared, and the variance of that
 } difference;
 
-/// As many groups of rays as it takes until the noise is below the wanted one.
+/// Traces as many groups of rays as needed to bring noise below the target.
 static difference gather_difference(
     const rsv_light_view *s, const rsv_bake_patch *patch, float wanted, uint32_t seed)
 {
@@ -96,7 +96,7 @@ rsv_rgb rsv_bake_mend(
     float share = doubt(s, &patch->place[0], total);
     if (share == 0) return none;
     difference d = gather_difference(s, patch, MEND_NOISE * total / share, seed);
-    // what noise explains is no error of what is stored (James and Stein 1961)
+    // the part explained by noise is not an error of the stored light (James and Stein 1961)
     float sure = d.square > 0 ? f_max(1 - d.noise / d.square, 0) : 0;
     return rgb_scale(d.mean, share * sure);
 }

@@ -1,13 +1,13 @@
-/// Indirect light where elements do not show it well: in narrow places, in corners, and wherever it changes much within one element.
-/// There it is gathered once more at the value itself.
+/// Indirect light where elements are not accurate: in narrow places, in corners, and wherever it varies strongly within
+/// one element. It is gathered there again for each value.
 #ifndef RSV_BAKE_MEND_H
 #define RSV_BAKE_MEND_H
 
 #include "bake_patch.h"
 
-/// What is to be added to a patch's light, W/m2.
-/// @param light borrowed; what elements store of it is read as the bake read it
-/// @param total luminance of the patch as it is, W/m2; no less than what counts as dark
+/// Correction of a patch's light, W/m2.
+/// @param light borrowed; stored light is read in the same way as by the bake
+/// @param total luminance of the patch at present, W/m2; at least that of dark places
 rsv_rgb rsv_bake_mend(
     const rsv_light_view *light, const rsv_bake_patch *patch, float total, uint32_t seed);
 

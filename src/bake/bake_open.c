@@ -21,7 +21,7 @@ static float way_to_back(const rsv_transport_scene *scene, const rsv_ray *ray)
     return back && bsdf->transmission == 0 && bsdf->opacity == 1 ? hit.t : -1;
 }
 
-/// Whether a place sees backs alone, and near ones: in rooms modelled inside out, too, one sees backs.
+/// Whether only near backs are visible from a place. (Rooms modelled inside out also show backs.)
 static bool is_in_pocket(
     const rsv_transport_scene *scene, const rsv_surface_point *at, rsv_vec3 origin)
 {

@@ -123,8 +123,8 @@ static void take_run(sheet *s, uint64_t *taken, rsv_bake_run run, uint32_t margi
         set_bits(taken + row * s->words, left, right < s->width ? right : s->width);
 }
 
-/// Takes the texels of the chart in hand, and those around it: filtering in a rectangle reads none of these, so that half the padding
-/// parts it from others.
+/// Takes the texels of the chart in hand, and those around it: filtering in a rectangle reads none of these, so that
+/// half the padding parts it from others.
 static void take_chart(sheet *s, uint32_t x, uint32_t y)
 {
     uint32_t half = (s->padding + 1) / 2;

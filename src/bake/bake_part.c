@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// Names of instances may be cut after so many bytes.
+/// Names of instances may be cut after this many bytes.
 #define MOST_OF_NAME 200
 
 // ---- geometry -------------------------------------------------------------------------------------
@@ -86,7 +86,7 @@ static bool has_materials(const rsv_gltf_document *gltf, const rsv_scene *scene)
     return true;
 }
 
-/// Whether a part is what an object of the scene was made of, by their names. Those of instances go on with a number.
+/// Whether a part became an object of the scene, by their names. Names of instances end in a number.
 static bool is_part_of(
     const rsv_gltf_document *gltf, const rsv_bake_part *part, const rsv_scene *scene, uint32_t o)
 {
@@ -107,7 +107,7 @@ static rsv_bake_part *find_part(const rsv_bake_document *d, const rsv_scene *sce
     return part;
 }
 
-/// Tells each part which triangles of the scene are its own.
+/// Finds the triangles of each part in the scene.
 static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_bake_parts *parts)
 {
     bool fits = (d->is_made || scene->triangle_source) && has_materials(d->gltf, scene);
@@ -141,7 +141,7 @@ static rsv_status check_lit(
         "%s: bake: no surface reflects diffusely, so there is no light to store", d->name);
 }
 
-/// Documents of operator files are what somebody wrote.
+/// Documents of operator files are not trusted.
 static rsv_status find_shown(const rsv_bake_document *d, rsv_gltf_parts *shown)
 {
     char message[512];

@@ -1,4 +1,4 @@
-/// What of a glTF file carries light: a primitive of a mesh, once for every node that shows it.
+/// Parts of a glTF file that get light: a primitive of a mesh, once for every node that shows it.
 #ifndef RSV_BAKE_PART_H
 #define RSV_BAKE_PART_H
 
@@ -25,7 +25,7 @@ typedef struct rsv_bake_parts {
     rsv_context *context;
     rsv_bake_part *part; ///< [count], as in `shown`
     size_t count;
-    rsv_gltf_parts shown; ///< what loading the file shows
+    rsv_gltf_parts shown; ///< visible parts when the file is loaded
 } rsv_bake_parts;
 
 /// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from
@@ -34,7 +34,7 @@ rsv_status rsv_bake_parts_create(
     const rsv_bake_document *document, const rsv_light_view *solution, rsv_bake_parts *parts);
 void rsv_bake_parts_destroy(rsv_bake_parts *parts);
 
-/// Whether anything of a part scatters diffusely: its base colour is what light multiplies.
+/// Whether a part has a diffuse lobe, whose base colour multiplies light.
 bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part);
 
 /// The scene's barycentric coordinates for weights of the corners of the file's triangle.

@@ -77,7 +77,7 @@ static rsv_surface_place place_at(
     return place;
 }
 
-/// Weights of the corners of a texel's triangle at what it shows, a little inside.
+/// Weights of the corners of a texel's triangle at its place, slightly inside.
 static void own_weights(const rsv_bake_sheet *sheet, size_t texel, float w[3])
 {
     const rsv_bake_receiver *r = &sheet->map->receiver[texel];

@@ -1,4 +1,4 @@
-/// Which part of a surface one value of a file stands for: what a texel covers, or what is around a vertex.
+/// The part of a surface that one value of a file represents: the area of a texel, or that around a vertex.
 #ifndef RSV_BAKE_PATCH_H
 #define RSV_BAKE_PATCH_H
 
@@ -27,7 +27,7 @@ uint32_t rsv_bake_chart_of(const rsv_bake_charts *charts, uint32_t k);
 /// The point of its chart that a texel shows, in texels: its middle, or the nearest place on the chart's border.
 void rsv_bake_texel_point(const rsv_bake_sheet *sheet, size_t texel, float point[2]);
 
-/// What a texel covers of its chart or, if it lies beyond the border, what the nearest place on it would.
+/// The area of its chart that a texel covers or, if it is beyond the border, that of the nearest place on it.
 void rsv_bake_texel_patch(const rsv_bake_sheet *sheet, size_t texel, rsv_bake_patch *patch);
 
 #endif

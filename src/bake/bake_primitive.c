@@ -29,7 +29,7 @@ static void count_uses(const cJSON *nodes, uint32_t *uses, size_t mesh_count)
     }
 }
 
-/// The mesh that a node shows alone: a copy, if others show it too.
+/// The mesh of a node alone: a copy, if other nodes share it.
 static cJSON *own_mesh(rsv_bake_document *d, const rsv_bake_part *part, int node, bool shared)
 {
     cJSON *meshes = item(d->root, "meshes");
@@ -123,7 +123,7 @@ cJSON *rsv_bake_material(const rsv_bake_document *d, const cJSON *primitive)
 
 // ---- vertices -------------------------------------------------------------------------------------
 
-/// Attributes whose mean is what lies between.
+/// Attributes that can be interpolated.
 static bool is_blendable(const char *name)
 {
     return !strcmp(name, "POSITION") || !strcmp(name, "NORMAL") || !strcmp(name, "TANGENT") ||
@@ -142,7 +142,7 @@ bool rsv_bake_may_divide(const cJSON *primitive)
     return true;
 }
 
-/// Values of all of a mesh's attributes: those of the file, then what lies between.
+/// Values of all attributes of a mesh: those of the file, then interpolated ones.
 static void blend(const rsv_bake_mesh *mesh, size_t width, const float *from, float *to)
 {
     for (size_t n = 0; n < mesh->attribute_count; n++) {
@@ -208,7 +208,7 @@ static int component_bytes(int type)
                                                                        : 4;
 }
 
-/// Whether `count` elements of an accessor lie within its buffer; nothing of the document is to be trusted.
+/// Whether `count` elements of an accessor are within its buffer; the document is not trusted.
 /// @param stride between elements @param bytes of each
 static bool holds(const rsv_gltf_document *gltf, const rsv_gltf_accessor *a,
     const rsv_gltf_buffer_view *view, size_t count, size_t stride, size_t bytes)
@@ -220,7 +220,7 @@ static bool holds(const rsv_gltf_document *gltf, const rsv_gltf_accessor *a,
     return count == 0 || (left >= bytes && count - 1 <= (left - bytes) / stride);
 }
 
-/// Integers are copied as they are: joints, weights, and whatever nobody here knows.
+/// Integers are copied unchanged: joints, weights, and unknown attributes.
 static rsv_status copy_attribute(
     rsv_bake_document *d, cJSON *attribute, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
 {

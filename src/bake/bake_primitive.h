@@ -12,7 +12,8 @@ rsv_status rsv_bake_separate(
 /// Whether a primitive's vertices may be divided: it is not skinned or morphed, and all its attributes are known.
 bool rsv_bake_may_divide(const cJSON *primitive);
 
-/// The colours that a primitive's vertices have, at those of the mesh. @param color out; NULL = none @param width 3 or 4
+/// The colours that a primitive's vertices have, at those of the mesh. @param color out; NULL = none @param width 3 or
+/// 4
 rsv_status rsv_bake_read_colors(const rsv_bake_document *document, const cJSON *primitive,
     const rsv_bake_part *part, const rsv_bake_mesh *mesh, float **color, size_t *width);
 

@@ -13,7 +13,8 @@ typedef struct rsv_bake_receiver {
     float beyond;         ///< 0 = on the surface
 } rsv_bake_receiver;
 
-/// What a side of a surface shows: the irradiance that enters, diffused below it where the material is translucent.
+/// Displayed irradiance of a side of a surface: the entering one, diffused below the surface if the material is
+/// translucent.
 static inline rsv_rgb rsv_bake_shown(
     const rsv_light_view *s, uint32_t triangle, bool back, float u, float v)
 {

@@ -11,7 +11,7 @@
 static const char punctual[] = "KHR_lights_punctual", measured[] = "EXT_lights_ies";
 
 typedef struct follower {
-    const rsv_scene *scene; ///< as the light has it
+    const rsv_scene *scene; ///< of the light
     const rsv_bake_parts *parts;
     cJSON **primitive;
     rsv_bake_document *d;
@@ -80,7 +80,7 @@ static void follow_materials(follower *f)
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
-/// The list of nodes at the top; NULL where the file has no scenes: then all that are nobody's children are.
+/// The list of top-level nodes; NULL if the file has no scenes: then they are all nodes without a parent.
 static cJSON *find_roots(follower *f)
 {
     cJSON *scenes = item(f->d->root, "scenes");
@@ -102,7 +102,7 @@ static cJSON *add_node(follower *f, const char *name, const double world[16])
     return node;
 }
 
-/// A place of the file as the scene has it, from which an origin may have been taken out.
+/// A position of the file in the scene's coordinates, from which an origin may have been subtracted.
 static rsv_vec3 in_scene(const follower *f, const double place[3])
 {
     const double *origin = f->scene->view.origin;
@@ -124,8 +124,8 @@ static bool is_elsewhere(const follower *f, rsv_vec3 was, rsv_vec3 is)
 
 // ---- luminaires -----------------------------------------------------------------------------------
 
-/// The profile of a scene's luminaire among the file's, appended when it is first needed; its highest intensity is that of
-/// 1 W/sr.
+/// The profile of a scene's luminaire among the file's, appended when it is first needed; its highest intensity is that
+/// of 1 W/sr.
 static int profile_of(follower *f, uint32_t luminaire)
 {
     if (f->profile[luminaire] >= 0) return f->profile[luminaire];
@@ -160,7 +160,7 @@ static void add_luminaire(follower *f, const rsv_punctual_light *is)
         rgb(is->opening.x, is->opening.y, is->opening.z));
 }
 
-/// Whether a node's luminaire is what loading made of it. False too where it is left out.
+/// Whether a node's luminaire is unchanged since loading. Also false if it is left out.
 static bool is_as_filed(const follower *f, uint32_t index, const rsv_punctual_light *is)
 {
     rsv_luminaire luminaire;
@@ -278,7 +278,7 @@ static void add_light(follower *f, const rsv_punctual_light *is)
         rsv_bake_append(f->d, light_list(f), light));
 }
 
-/// Whether loading makes a light of what a node has.
+/// Whether loading creates a light for a node.
 static bool shines(const follower *f, uint32_t node)
 {
     const rsv_gltf_document *gltf = f->d->gltf;
@@ -325,7 +325,7 @@ static void transform(const double m[16], rsv_vec3 v, double result[3])
             m[r] * (double)v.x + m[4 + r] * (double)v.y + m[8 + r] * (double)v.z + m[12 + r];
 }
 
-/// How far a part was moved as a whole: by what its first corner is off. False if it is where it was.
+/// Motion of a part as a whole, from its first corner. False if it has not moved.
 static bool find_offset(const follower *f, size_t k, double offset[3])
 {
     const rsv_scene *scene = f->scene;

@@ -62,7 +62,8 @@ static rsv_rgb light_on(const seam_search *q, const border *b, float t, float po
         corner[a] = w[0] * q->charts->corner[b->k][0][a] + w[1] * q->charts->corner[b->k][1][a] +
                     w[2] * q->charts->corner[b->k][2][a];
     rsv_bake_chart_point(chart, corner, point);
-    // a little inside: on the right side of what stands on the edge
+    // slightly inside, on the right side of anything that stands on the edge
+
     for (int k = 0; k < 3; k++)
         w[k] += 1e-3f * (1.0f / 3 - w[k]);
     float u, v;

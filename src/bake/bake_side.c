@@ -113,7 +113,7 @@ static void add_up(surfaces *f)
     }
 }
 
-/// How far one sees from a place on a side of a triangle, FAR at most. In the void there is nothing to be seen.
+/// Visible distance from a place on a side of a triangle, at most FAR. In the void there is nothing to see.
 static double sight_from(const rsv_light_view *s, uint32_t triangle, bool back, uint32_t k)
 {
     float x, y, u, v;
@@ -147,7 +147,8 @@ static void look_around(surfaces *f)
     }
 }
 
-/// By light alone a front that is buried, or looks into the void, cannot be told from the inside of a room in the sun.
+/// From light alone, a front that is buried or faces the void cannot be distinguished from the inside of a room in the
+/// sun.
 static bool shows_back(const surface *own)
 {
     bool narrow = own->sight[0] < NARROW * own->rays;

@@ -136,7 +136,7 @@ static bool is_far(const rsv_bake_sources *q, uint32_t k, rsv_vec3 p)
     return v3_dot(way, way) > FAR_EMITTER * FAR_EMITTER * q->radius[k] * q->radius[k];
 }
 
-/// A place drawn by area. @return false = in single precision the plane is too close to edge-on to tell
+/// A point sampled by area. @return false = the plane is too close to edge-on for single precision
 static bool sample_far(const rsv_bake_sources *q, const rsv_bake_weights *w, uint32_t chosen,
     const float u[2], rsv_light_sample *result)
 {

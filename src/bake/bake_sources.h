@@ -1,8 +1,8 @@
-/// Sources as patches see them: emitters chosen by the light that they would give there without shadows, however many they are.
+/// Sources for patches: emitters are chosen by their unshadowed light at the patch, however many there are.
 ///
-/// Elsewhere a tree chooses among many emitters (sources/light_tree.h), which takes less time for each receiver but knows less:
-/// the choice alone is noise, where all of a bulb of hundreds of triangles is seen. Patches send many shadow rays each, so
-/// that weighing every emitter pays.
+/// Elsewhere a tree chooses among many emitters (sources/light_tree.h), which is faster for each receiver but less
+/// accurate: where all of a bulb of hundreds of triangles is visible, the choice alone causes noise. Patches trace many
+/// shadow rays each, so weighing every emitter is worthwhile.
 #ifndef RSV_BAKE_SOURCES_H
 #define RSV_BAKE_SOURCES_H
 
@@ -30,13 +30,13 @@ typedef struct rsv_bake_view {
 
 #define RSV_BAKE_VIEWS 4 ///< a power of two
 
-/// What one receiver gets of them.
+/// Their light at one receiver.
 typedef struct rsv_bake_weights {
     rsv_local_lights local;             ///< suns and sky; where the tree chooses, all
     float emitters;                     ///< probability of choosing an emitter
     float sum;                          ///< of the luminance that emitters would give
     float weight[RSV_BAKE_WEIGHED];     ///< that of each emitter and of all before it
-    rsv_rgb unshadowed;                 ///< irradiance of all that is weighed
+    rsv_rgb unshadowed;                 ///< irradiance of all weighed emitters
     rsv_bake_view view[RSV_BAKE_VIEWS]; ///< of emitter k at k modulo their number
 } rsv_bake_weights;
 

@@ -33,7 +33,7 @@ static footprint footprint_of(const rsv_bake_map *map, const float point[2])
 
 static rsv_rgb lit(rsv_rgb light) { return rgb_positive(light); }
 
-/// One step of Kaczmarz's method (1937): shows at a point what was solved, by the smallest change of texels.
+/// One step of Kaczmarz's method (1937): sets a point to the solved light, by the smallest change of texels.
 static void show_truly(rsv_bake_map *map, const float point[2], rsv_rgb solved)
 {
     footprint f = footprint_of(map, point);
@@ -44,7 +44,7 @@ static void show_truly(rsv_bake_map *map, const float point[2], rsv_rgb solved)
     }
 }
 
-/// What a jump is seen against.
+/// The brightness to which a jump is relative.
 static float brightness(const rsv_bake_map *map, const rsv_bake_stitch *stitch, rsv_rgb *jump)
 {
     rsv_rgb a = rsv_bake_map_lookup(map, stitch->point[0]);
@@ -70,8 +70,8 @@ static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitc
 
 // ---- drawing both sides together ------------------------------------------------------------------
 
-/// Relative jumps as a linear map of the texels: row k is what its second side shows less its first. Of one group, or of all,
-/// one after the other.
+/// Relative jumps as a linear map of the texels: row k is the value of its second side minus that of its first. For one
+/// group, or for all, one after the other.
 typedef struct jumps {
     const rsv_bake_stitch *stitch; ///< [count]
     size_t count, texel_count;
@@ -80,7 +80,7 @@ typedef struct jumps {
     size_t *place;        ///< [texel_count] in the map
     float *root;          ///< [texel_count] of the texel's give
     // of the iteration
-    rsv_rgb *jump, *change;        ///< [count]: what is left, and what a step changes of it
+    rsv_rgb *jump, *change;        ///< [count]: the remaining jumps, and their change by a step
     rsv_rgb *step, *slope, *moved; ///< [texel_count]
 } jumps;
 
@@ -150,7 +150,7 @@ cleanup:
     return status;
 }
 
-/// What concerns one group.
+/// The part of one group.
 static jumps jumps_of(const jumps *all, const rsv_bake_stitch_groups *g, size_t group)
 {
     size_t k = g->first_stitch[group], t = g->first_texel[group];

@@ -47,7 +47,7 @@ static uint64_t pair_key(uint32_t a, uint32_t b)
 
 // ---- dividing -------------------------------------------------------------------------------------
 
-/// Place in the middle of two. @return RSV_NONE if nobody divides that edge
+/// The place in the middle of two. @return RSV_NONE if that edge is not divided
 static uint32_t middle_place(const tessellator *q, uint32_t a, uint32_t b)
 {
     return rsv_index_map_find(&q->middle_place, pair_key(a, b));
@@ -100,7 +100,7 @@ static rsv_status number_places(tessellator *q)
     for (size_t n = 0; n < part->vertex_count; n++) {
         uint32_t bits[3];
         memcpy(bits, &part->position[n], sizeof bits);
-        // positions that differ but share a key are told apart by nobody: 64 bits of 96 must do
+        // different positions with the same key are not distinguished: 64 bits of 96 must suffice
         uint64_t key =
             ((uint64_t)bits[0] << 32 | bits[1]) ^ (uint64_t)bits[2] * 0x9e3779b97f4a7c15u;
         q->vertex_place[n] = rsv_index_map_insert(&map, key, q->place_count);
@@ -170,7 +170,7 @@ cleanup:
     return status;
 }
 
-/// Where an edge is to be cut. @param share out: of b; 0 = it is not
+/// Where to cut an edge. @param share out: weight of b; 0 = not at all
 static rsv_status find_cut(
     tessellator *q, const corner *a, const corner *b, uint32_t *place, float *share)
 {

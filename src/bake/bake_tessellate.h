@@ -1,9 +1,9 @@
-/// Triangles divided until light that is linear between vertices is the light there is.
+/// Divides triangles until light is linear between vertices, within the tolerance.
 ///
-/// Each triangle of a part is a quadtree down to cells of the finest elements; from the leaves up, four children
-/// become one where light in the middle of its edges is what its corners say. Where neighbours differ in depth, the
-/// larger ones are cut along the points on their edges, so that there are no cracks; so are edges that points of other parts
-/// lie on. Vertices are doubled where light jumps: at creases, and where a wall stands on a floor.
+/// Each triangle of a part is a quadtree down to cells of the finest elements. From the leaves up, four children are
+/// merged if light in the middle of its edges is the mean of its corners. Where neighbours have different depths, the
+/// larger ones are cut at the points on their edges, so that there are no cracks; so are edges with points of other
+/// parts. Vertices are duplicated where light jumps: at creases, and where a wall stands on a floor.
 #ifndef RSV_BAKE_TESSELLATE_H
 #define RSV_BAKE_TESSELLATE_H
 
@@ -38,7 +38,7 @@ typedef struct rsv_bake_tessellation {
 /// A part on its way. All parts are divided before any is written, as borders are common to them.
 typedef struct rsv_bake_tessellator rsv_bake_tessellator;
 
-/// Lights a part and decides where it is divided. @param desc copied @param mesh what it will be
+/// Lights a part and decides where to divide it. @param desc copied @param mesh the result
 rsv_status rsv_bake_tessellator_create(const rsv_light_view *solution, const rsv_bake_part *part,
     const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh, rsv_bake_tessellator **tessellator);
 /// Adds the points on the edges of its triangles.

@@ -130,8 +130,8 @@ static void draw_triangle(const rasterizer *q, const rsv_bake_chart *chart, uint
             take_texel(q, &f, chart, k, x, y);
 }
 
-/// Lets texels that show nothing receive what the nearest others do: smaller versions of a map, and lookups beyond the
-/// border at the silhouettes of things, would find them dark.
+/// Fills empty texels with the value of the nearest others: smaller mip levels, and lookups beyond the border at
+/// silhouettes, would otherwise be dark.
 static rsv_status fill_gaps(rsv_context *context, rsv_bake_map *map)
 {
     size_t texels = (size_t)map->width * map->height, count = 0;
@@ -192,7 +192,7 @@ void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map)
     *map = (rsv_bake_map){ 0 };
 }
 
-/// Keeps what lies beyond a border near to what is on it.
+/// Keeps texels beyond a border close to the value on it.
 static float limit(float beyond, rsv_rgb on, rsv_rgb back)
 {
     float change = f_max(fabsf(on.r - back.r), f_max(fabsf(on.g - back.g), fabsf(on.b - back.b)));

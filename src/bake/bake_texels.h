@@ -9,7 +9,7 @@ typedef struct rsv_bake_map {
     uint32_t width, height;
     rsv_bake_receiver *receiver; ///< [height * width]
     float *
-        distance; ///< [height * width] texels from the chart; INFINITY = shows nothing, and receives what others do
+        distance; ///< [height * width] texels from the chart; INFINITY = empty, filled from others
     uint32_t *owner;   ///< [height * width] triangle of rsv_bake_charts around it
     uint32_t *repeats; ///< [height * width] of texels that show nothing: whose light they repeat
     rsv_rgb *light;    ///< [height * width]

@@ -33,7 +33,8 @@ static bool lies_within(const rsv_gltf_accessor *a, const rsv_gltf_buffer_view *
            a->count - 1 <= (view->length - element) / view->stride;
 }
 
-/// Packing rounds: limits of vectors of floats are those of what came out. Of other types they are optional and go.
+/// Packing rounds, so limits of float vectors are those of the unpacked data. For other types they are optional and
+/// removed.
 static void renew_limits(rsv_bake_document *d, cJSON *json, const rsv_gltf_accessor *accessor)
 {
     const rsv_gltf_buffer_view *view = &d->gltf->buffer_view[accessor->span.buffer_view];

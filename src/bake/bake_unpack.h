@@ -1,4 +1,5 @@
-/// What came packed (KHR_draco_mesh_compression, EXT_meshopt_compression) is written plain: lightmaps need vertices of their own.
+/// Unpacks compressed meshes (KHR_draco_mesh_compression, EXT_meshopt_compression), because lightmaps need other
+/// vertices.
 #ifndef RSV_BAKE_UNPACK_H
 #define RSV_BAKE_UNPACK_H
 

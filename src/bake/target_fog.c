@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// What a cell is: of those that walls cut, the mean over what they cut it into.
+/// Fluence of a cell; if walls cut it, the mean over its parts.
 static rsv_rgb cell_fluence(const rsv_light_view *s, size_t cell)
 {
     const rsv_voxels *v = s->elements->voxels;

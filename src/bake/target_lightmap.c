@@ -22,7 +22,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// What the largest code stands for: as asked for, or the brightness that most texels do not exceed; and how many do.
+/// Value of the largest code: as requested, or the brightness that most texels do not exceed; and how many do.
 static rsv_status find_scale(rsv_lightmap_bake *b)
 {
     size_t texels = (size_t)b->layout.map.width * b->layout.map.height, shown = 0, brighter = 0;
@@ -58,7 +58,7 @@ static rsv_status estimate_map(
     return rsv_bake_light_map(solution, &sheet, &accuracy, light);
 }
 
-/// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
+/// The map under one light, with its seams closed, so that no combination of lights shows larger jumps.
 static rsv_status read_map(
     const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {

@@ -1,4 +1,4 @@
-/// Light for what moves: probes (render/probe_grid.h) in files.
+/// Light for moving objects: probes (render/probe_grid.h) in files.
 #include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
 #include "../render/probe_grid.h"
@@ -87,8 +87,8 @@ static rsv_status write_files(const rsv_probe_grid *g, const char *output)
 
 // ---- light by light -------------------------------------------------------------------------------
 
-/// The same probes under another light. Each light draws numbers of its own, so that together they are another estimate of
-/// the whole, which takes the place of the first.
+/// The same probes under another light. Each light draws numbers of its own, so that together they are another estimate
+/// of the whole, which takes the place of the first.
 static rsv_status read_probes(
     const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {

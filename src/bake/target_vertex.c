@@ -35,7 +35,7 @@ typedef struct vertex_bake {
     size_t vertex_count;
 } vertex_bake;
 
-/// Beside which errors are measured, W/m2.
+/// Lower limit of the light to which errors are relative, W/m2.
 static float dark_of(const rsv_light_view *s) { return DARK * (float)s->report.mean_irradiance; }
 
 /// Divides all parts. @param tessellator out, [parts.count]; NULL = carries no light
@@ -58,7 +58,7 @@ cleanup:
     return status;
 }
 
-/// Largest coordinate of the scene, for what rounding makes of coordinates.
+/// Largest coordinate of the scene, which determines rounding.
 static float extent_of(const rsv_scene_view *view)
 {
     float largest = 0;
@@ -89,7 +89,7 @@ cleanup:
     return status;
 }
 
-/// A vertex's light with what is stored of it mended. @param smooth the view that its light was read of
+/// A vertex's light, with corrected stored light. @param smooth the view from which its light was read
 static rsv_rgb mended(
     const vertex_bake *b, const rsv_light_view *smooth, const rsv_bake_patch *patch, rsv_rgb light)
 {
@@ -132,7 +132,7 @@ static rsv_status mend(const vertex_bake *b)
     return rsv_cancelled(context) ? RSV_ERROR_CANCELLED : RSV_OK;
 }
 
-/// What 1 stands for, as the radiance of a white surface: colours of vertices may not exceed that.
+/// The radiance of a white surface that 1 stands for, which colours of vertices may not exceed.
 static float find_scale(const vertex_bake *b)
 {
     float most = 0, white = UNLIT_WHITE * (float)b->s->report.mean_irradiance / PI_F;
@@ -188,7 +188,7 @@ static rsv_status settle(vertex_bake *b, size_t k)
     return status;
 }
 
-/// COLOR_0: light times the colour that vertices had, which stays in the file as _COLOR, for those who change the light.
+/// COLOR_0: light times the vertices' own colour, which stays in the file as _COLOR for relighting.
 static rsv_status write_colors(vertex_bake *b, size_t k, float scale)
 {
     const rsv_bake_mesh *mesh = &b->mesh[k];
@@ -214,7 +214,7 @@ static rsv_status write_colors(vertex_bake *b, size_t k, float scale)
     return RSV_OK;
 }
 
-/// Puts the vertices of a part into the file, but for their light.
+/// Writes the vertices of a part, without their light.
 static rsv_status write_part(vertex_bake *b, size_t k)
 {
     rsv_status status;
@@ -228,7 +228,7 @@ cleanup:
     return status;
 }
 
-/// What an unlit material may not have beside it: other models of how it scatters.
+/// Removes other scattering models, which an unlit material may not have.
 static void drop_models(cJSON *material)
 {
     cJSON *extensions = cJSON_GetObjectItemCaseSensitive(material, "extensions");
@@ -248,14 +248,14 @@ static void mark_unlit(vertex_bake *b, const cJSON *primitive, const rsv_bake_pa
     for (size_t t = 0; t < part->triangle_count && !m; t++)
         if (part->triangle[t] != RSV_NONE)
             m = &view->material[view->triangle_material[part->triangle[t]]];
-    // what shines by itself, or is more than diffuse, needs the material that it has
+    // emissive materials, and those that are not only diffuse, need their own material
     bool plain = m && rgb_is_black(m->emission) && m->metallic == 0 && m->transmission == 0;
     if (!material || !plain) return;
     drop_models(material);
     rsv_bake_extension(&b->document, material, "KHR_materials_unlit");
 }
 
-/// What the numbers of the file stand for.
+/// Writes the meaning of the file's numbers.
 static void write_scale(rsv_bake_document *d, float scale)
 {
     cJSON *own = rsv_bake_object(
@@ -264,7 +264,7 @@ static void write_scale(rsv_bake_document *d, float scale)
     rsv_bake_number(d, own, "light_scale", (double)scale);
 }
 
-/// Tells primitives that carry light from those whose colours are their own: the former name their first receiver.
+/// Marks primitives that carry light, as opposed to those with their own colours, with their first receiver.
 static void mark_lit(vertex_bake *b)
 {
     static const char mark[] = "resolvent_first_receiver";
@@ -372,7 +372,8 @@ cleanup:
     return status;
 }
 
-/// Writes what each light does; vertices become the sums of it.
+/// Writes the contribution of each light; vertices become their sums.
+
 static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights)
 {
     rsv_bake_reader reader = rsv_bake_surface_reader("vertex", b, b->vertex_count, read_vertices);

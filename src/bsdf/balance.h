@@ -45,7 +45,7 @@ RSV_INLINE void rsv_make_lossless(rsv_spread k)
         k[j][i] /= f_max(sum[i], 1e-6f);
 }
 
-/// Fresnel reflectances of other ior are close to blends of two, by what they reflect straight on.
+/// Weight of the higher of two tabulated ior whose blend approximates the Fresnel reflectance, from normal incidence.
 RSV_INLINE float rsv_share_of_high_ior(float ior)
 {
     float cos_t, low = rsv_fresnel_dielectric(1, RSV_LOW_IOR, &cos_t);
@@ -60,7 +60,7 @@ RSV_INLINE float rsv_spread_cos_at(int i)
     return x * x;
 }
 
-/// k += what a body's surface reflects after more than one event.
+/// Adds to k the light that a body's surface reflects after more than one event.
 RSV_INLINE void rsv_add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
 {
     float missing[RSV_SPREAD_COS], share[RSV_SPREAD_COS], sum = 0;
@@ -147,7 +147,7 @@ RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind, rsv_balance_channel c
                  : rgb(rsv_balance_gap(c, i), rsv_balance_gap(c + 1, i), rsv_balance_gap(c + 2, i));
 }
 
-/// Sets `balance` of a layered surface from all else.
+/// Sets `balance` of a layered surface, after all other fields.
 RSV_INLINE void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
 {
     if (!bsdf->layered || bsdf->alpha == 0) return;

@@ -1,50 +1,53 @@
-/// How a surface scatters: diffuse, metal, glass and a dielectric coat, smooth or rough, in any blend.
-/// Plain C, also for device code.
+/// Scattering at a surface: a blend of diffuse, metal, glass and a dielectric coat, smooth or rough. Plain C, also for
+/// device code.
 ///
-/// Frame: `wo` points away from the surface, towards where the radiance is wanted, `wi` towards where
-/// it comes from; `n` is the unit normal on wo's side (cos_o = n.wo >= 0); `front` says whether wo
-/// leaves from the front of the triangle. With m = metallic, t = transmission, the surface is m metal,
-/// (1 - m) t glass and (1 - m)(1 - t) coated diffuse:
+/// Frame: `wo` points away from the surface, along the outgoing light, and `wi` towards the incoming light; `n` is the
+/// unit normal on wo's side (cos_o = n.wo >= 0); `front` says whether wo is on the front of the triangle. With m =
+/// metallic and t = transmission, the surface is m metal, (1 - m) t glass and (1 - m)(1 - t) coated diffuse:
 ///
 ///     metal    reflects F_metal (Schlick from base_color)
 ///     glass    reflects s F, transmits (1 - s F) base_color (refracted into a body if thickness > 0)
 ///     coated   reflects s F and diffuses D T(wo) under it, D = (1 - m)(1 - t), T(w) = 1 - s R(w)
 ///
-/// Under a thin film F is that of the film, per channel (thin_film.h); of rough surfaces it is linear between
-/// RSV_FACET_COS cosines with the facets, so that its directional albedo is a sum of tabulated ones.
+/// F is the Fresnel reflectance, R(w) the directional albedo of the (rough) interface, s its tint. Under a thin film, F
+/// is that of the film, per channel (thin_film.h). For rough surfaces it is linear between RSV_FACET_COS cosines with
+/// the facets, so that its directional albedo is a sum of tabulated ones.
 ///
-/// F is the Fresnel reflectance, R(w) the directional albedo of the (rough) interface, s its tint.
-/// Rough interfaces are GGX microsurfaces of width alpha = roughness^2; what they lose because one
-/// event per microsurface is not all, a lobe of Kulla and Conty's form gives back (2017; here for
-/// refraction too), so that white metal and clear glass are lossless at any roughness.
+/// Rough interfaces are GGX microsurfaces of width alpha = roughness^2. A lobe of Kulla and Conty's form (2017; here
+/// also for refraction) restores the energy of multiple scattering, so that white metal and clear glass are lossless at
+/// any roughness.
 ///
-/// The diffuse lobe is reciprocal and neither loses nor gains energy at its interface:
+/// The diffuse lobe is reciprocal, and conserves energy at its interface:
 ///
 ///     f(wi, wo) = D base_color T(wi) T(wo) / (pi T_mean),  T_mean = 2 int T(cos) cos dcos
 ///
-/// so that its directional albedo is D base_color T(wo). It is evaluated through two factors: the
-/// irradiance E = int L T(wi) / T_mean cos dwi, in which light counts as it gets through the coat, and the
-/// radiance that leaves, D T(wo) B / pi with B = base_color E. Under even light E is what arrives, whatever the
-/// coat: it is smooth where textures change the coat, and is what elements store. A share of the light leaves thin
-/// sheets on the other side; no elements keep that, it scatters like a rough lobe.
+/// Its directional albedo is therefore D base_color T(wo). It is evaluated in two factors: the irradiance E = int L
+/// T(wi) / T_mean cos dwi, in which light is weighted by its transmission through the coat, and the radiance that
+/// leaves, D T(wo) B / pi with B = base_color E. In uniform light, E is the light that arrives, for any coat. It is
+/// smooth even where textures change the coat, and elements store it. In thin sheets, a fraction of the light leaves on
+/// the other side. It is not stored in elements, but scattered like a rough lobe.
 ///
-/// Over all this lie sheen and a clear coat (ior 1.5). Each reflects by itself, c R(w); the rest, L(w) =
-/// (1 - c R)(1 - c S), reaches the base. What a white base sends up and the layers send back to it must
-/// come out in the end, so that a base of albedo A(wo) has L(wo) A(wo) under them. The diffuse lobe's T
-/// takes L as a factor. Any other lobe becomes
+/// Sheen and a clear coat (ior 1.5) cover all of this. Each reflects by itself, c R(w). The rest, L(w) = (1 - c R)(1 -
+/// c S), reaches the base. Light that the layers send back to a white base must leave in the end, so that a base of
+/// albedo A(wo) has L(wo) A(wo) under them. The diffuse lobe's T gets the factor L. Any other lobe becomes
 ///
-///     f(wi, wo) a(wi) a(wo),  a(w) = L(w) / s(w),  s(wo) = mean of a over where f sends light from wo
+///     f(wi, wo) a(wi) a(wo),  a(w) = L(w) / s(w),  s(wo) = mean of a over the light that f scatters from wo
 ///
-/// which is symmetric and lossless. For a mirror s = a, the factor is L; if f were diffuse, a = L / sqrt(L_mean),
-/// as in T; rough lobes lie between, where balance.h finds s. What refracts into a body is dimmed by L(wo);
-/// from inside a body the layers are not met.
+/// which is symmetric and lossless. For a mirror s = a, and the factor is L. For a diffuse f, a = L / sqrt(L_mean), as
+/// in T. Rough lobes lie between; balance.h finds s. Light that refracts into a body is dimmed by L(wo); light inside a
+/// body does not interact with the layers.
 ///
-/// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
-/// functions then serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
+/// A clear coat may have a normal m other than n. It then reflects c R(m.wo) about m, and everything below, computed as
+/// under a coat along the surface, is scaled by (1 - c R(m.wo)) / (1 - c R(n.wo)). Only light that the coat reflects
+/// below the surface is lost. As with all normal maps, f is not symmetric.
+///
+/// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces do not scale. The same functions
+/// therefore serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
 #include "../core/sampling.h"
+#include "../scene/coat_normal.h"
 #include "fresnel.h"
 #include "ggx.h"
 #include "resolvent/scene.h"
@@ -54,7 +57,7 @@
 /// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
 #define RSV_SMOOTH_ALPHA 1e-3f
 
-/// An interface that bends less is none: a facet would have to be known to more digits than there are.
+/// Interfaces with a smaller ratio of indices are ignored: their facets would need more digits than float has.
 #define RSV_LEAST_IOR 1.002f
 
 /// Of the layer of KHR_materials_clearcoat.
@@ -73,6 +76,8 @@ typedef struct rsv_bsdf {
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    bool tilted;                                ///< the clear coat has normals of its own
+    rsv_vec3 coat_normal;                       ///< unit, on the front; zero: n instead
     float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
@@ -92,9 +97,9 @@ typedef struct rsv_bsdf {
     rsv_rgb filmed[RSV_FILMED]
                   [RSV_FACET_COS]; ///< reflectance of facets under it, s in it; if film.share > 0
     const rsv_bsdf_tables *tables;
-    float opacity;     ///< coverage; the rest of the light passes unchanged
-    bool solid;        ///< transmission refracts into a body
-    bool straight;     ///< of the same index as what is around it: however rough, nothing bends
+    float opacity; ///< coverage; the rest of the light passes unchanged
+    bool solid;    ///< transmission refracts into a body
+    bool straight; ///< same index as its surroundings, so that nothing refracts at any roughness
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
@@ -107,12 +112,12 @@ typedef struct rsv_bsdf {
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
-/// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
-/// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
+/// The same material with other values at one point. Keeps everything that depends only on the ior, and is cheap enough
+/// for every hit. The kind of `bsdf` (solid, double-sided, unlit) stays.
 /// @param material with the values there @param varied out, not `bsdf` itself
 RSV_SHARED void rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *material, rsv_bsdf *varied);
 
-/// The same for the diffuse lobe alone, at less cost: the others are undefined.
+/// The same for the diffuse lobe only, at a lower cost: the other lobes are undefined.
 RSV_SHARED void rsv_bsdf_vary_entry(
     const rsv_bsdf *bsdf, const rsv_material *material, rsv_bsdf *varied);
 
@@ -134,7 +139,7 @@ RSV_INLINE rsv_bsdf rsv_bsdf_in_channel(const rsv_bsdf *bsdf, rsv_channel channe
     return own;
 }
 
-/// What a channel chosen by even chance is worth.
+/// Weight of a channel that was chosen with equal probabilities.
 RSV_INLINE rsv_rgb rsv_channel_weight(rsv_channel channel)
 {
     return rgb(channel == RSV_CHANNEL_RED ? 3 : 0, channel == RSV_CHANNEL_GREEN ? 3 : 0,
@@ -159,7 +164,7 @@ typedef enum rsv_lobe {
 /// from.
 typedef struct rsv_bsdf_branches {
     rsv_rgb reflect, transmit;
-    rsv_rgb diffuse;             ///< D T(wo), to be multiplied by B / pi
+    rsv_rgb diffuse;             ///< D T(wo), for multiplication by B / pi
     rsv_vec3 reflect_direction;  ///< unit, away from the surface
     rsv_vec3 transmit_direction; ///< unit, into the far side
     bool rough;                  ///< there are lobes besides that scatter into solid angles
@@ -199,10 +204,10 @@ typedef enum rsv_lobe_set {
 /// unit and `geometric` is on wo's side.
 RSV_INLINE rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo);
 
-/// T(w): share of what the base sends up at cosine `cos` that gets out through the coat, per channel.
+/// T(w): fraction of the base's light that leaves through the coat at cosine `cos`, per channel.
 RSV_INLINE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos);
 
-/// T(w) / T_mean: what light that arrives at cosine `cos` counts for as irradiance; 1 in the mean over the hemisphere.
+/// T(w) / T_mean: weight, in irradiance, of light that arrives at cosine `cos`; its mean over the hemisphere is 1.
 RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
 
 RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
@@ -212,12 +217,13 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
 RSV_INLINE float rsv_bsdf_specular_chance(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
 
-/// Draws what happens to light that leaves along `wo`: weights are 1 wherever the surface is colourless
-/// and lossless. @param u in [0, 1): the first chooses a lobe, the others a direction of it
+/// Draws an event for light that leaves along `wo`. Weights are 1 where the surface is colourless and lossless.
+/// @param u in [0, 1): the first chooses a lobe, the others its direction
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3]);
 
-/// Draws among the lobes that are not diffuse, with the chance of these in the weight; the density is not divided by it.
+/// Draws among the lobes that are not diffuse, with the chance of these in the weight; the density is not divided by
+/// it.
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, const float u[3]);
 

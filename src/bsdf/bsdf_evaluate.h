@@ -1,5 +1,5 @@
-/// Values and densities of rsv_bsdf's lobes. Each lobe is a density, the one it is drawn with, times a
-/// weight, so that both come out of one sum. Included by bsdf.h alone.
+/// Values and densities of rsv_bsdf's lobes. Each lobe is its sampling density times a weight, so that one sum gives
+/// both. Included only by bsdf.h.
 #ifndef RSV_BSDF_EVALUATE_H
 #define RSV_BSDF_EVALUATE_H
 
@@ -27,16 +27,18 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
         return branches;
     }
     float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1);
+    bool layers = rsv_bsdf_meets_layers(bsdf, front);
+    float tilted = layers ? rsv_bsdf_tilted_passage(bsdf, wo, n) : 1;
     branches.rough = bsdf->rough;
     branches.reflect_direction = rsv_mirrored(wo, n);
     if (rsv_bsdf_diffuses(bsdf, front))
-        branches.diffuse = rgb_scale(rsv_bsdf_exit(bsdf, cos_o), bsdf->diffuse);
+        branches.diffuse = rgb_scale(rsv_bsdf_exit(bsdf, cos_o), bsdf->diffuse * tilted);
     if (bsdf->alpha == 0)
         rsv_set_ideal_branches(&branches, bsdf, wo, n, front);
     else if (bsdf->straight)
         branches.transmit = rgb_scale(bsdf->base_color, (1 - bsdf->metallic) * bsdf->transmission);
-    if (!rsv_bsdf_meets_layers(bsdf, front)) return branches;
-    rsv_rgb left = rsv_bsdf_passage(bsdf, cos_o).light;
+    if (!layers) return branches;
+    rsv_rgb left = rgb_scale(rsv_bsdf_passage(bsdf, cos_o).light, tilted);
     branches.reflect = rgb_mul(branches.reflect, left);
     branches.transmit = rgb_mul(branches.transmit, left);
     if (bsdf->clearcoat_alpha == 0)
@@ -58,7 +60,7 @@ RSV_INLINE void rsv_add_metal(
     rsv_add_term(value, share * missing * cos_i / RSV_PI, rsv_bsdf_metal_again(bsdf));
 }
 
-/// Reflection at the dielectric interface, the coat's and the glass's alike.
+/// Reflection at the dielectric interface, for coats and glass.
 RSV_INLINE void rsv_add_interface_reflection(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
@@ -103,7 +105,7 @@ RSV_INLINE void rsv_add_sheet_transmission(
         rgb_mul(choice.transmitted, bsdf->base_color));
 }
 
-/// What glass scatters more than once.
+/// Multiple scattering in glass.
 RSV_INLINE void rsv_add_glass_again(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o, bool front)
 {
@@ -196,19 +198,29 @@ RSV_INLINE void rsv_add_rough_base(
     rsv_add_dimmed(value, &base.glass, 1, rgb_gray(1));
 }
 
+RSV_INLINE void rsv_scale_value(rsv_bsdf_value *value, float factor)
+{
+    value->response = rgb_scale(value->response, factor);
+    value->pdf_solid_angle *= factor;
+}
+
 RSV_LARGE rsv_bsdf_value rsv_bsdf_evaluate(
     const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front, rsv_lobe_set lobes)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };
     float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
     if (rsv_bsdf_is_black_side(bsdf, front) || cos_o <= 0 || cos_i == 0) return value;
-    if ((lobes & RSV_LOBES_ROUGH) && bsdf->rough) {
+    bool rough = (lobes & RSV_LOBES_ROUGH) && bsdf->rough;
+    bool layers = rsv_bsdf_meets_layers(bsdf, front);
+    if (rough) {
         if (bsdf->alpha > 0) rsv_add_rough_base(&value, bsdf, wi, wo, n, front);
-        if (rsv_bsdf_meets_layers(bsdf, front)) rsv_add_layers(&value, bsdf, wi, wo, n);
+        if (layers) rsv_add_sheen(&value, bsdf, cos_i, cos_o);
         rsv_add_passed(&value, bsdf, cos_i, cos_o);
     }
     if ((lobes & RSV_LOBES_DIFFUSE) && rsv_bsdf_diffuses(bsdf, front))
         rsv_add_diffuse(&value, bsdf, cos_i, cos_o);
+    if (layers && bsdf->tilted) rsv_scale_value(&value, rsv_bsdf_tilted_passage(bsdf, wo, n));
+    if (rough && layers) rsv_add_clearcoat(&value, bsdf, wi, wo, n);
     return value;
 }
 

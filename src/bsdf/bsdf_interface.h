@@ -1,4 +1,4 @@
-/// What the lobes of rsv_bsdf share: the interface between the media. Included by bsdf.h alone.
+/// The interface between media, which the lobes of rsv_bsdf share. Included only by bsdf.h.
 #ifndef RSV_BSDF_INTERFACE_H
 #define RSV_BSDF_INTERFACE_H
 
@@ -33,13 +33,13 @@ RSV_INLINE bool rsv_bsdf_diffuses(const rsv_bsdf *bsdf, bool front)
     return bsdf->diffuse > 0 && (front || (bsdf->double_sided && !bsdf->solid));
 }
 
-/// Whether light that meets this side is absorbed whatever the lobes say.
+/// Whether this side absorbs all light, independently of the lobes.
 RSV_INLINE bool rsv_bsdf_is_black_side(const rsv_bsdf *bsdf, bool front)
 {
     return !front && !bsdf->double_sided && bsdf->transmission == 0 && bsdf->passed == 0;
 }
 
-/// Reflectance at one facet: its probability and, per channel, what of the light is then left.
+/// Reflectance at one facet: its probability, and the remaining weight per channel.
 typedef struct rsv_facet_choice {
     float reflect;       ///< probability
     rsv_rgb reflected;   ///< weight if it reflects
@@ -120,7 +120,8 @@ RSV_LARGE rsv_facet_light rsv_filmed_albedo(const rsv_bsdf *bsdf, float cos)
     return sum;
 }
 
-/// Hemispherical mean of the reflectance. @param alpha of the facets; that of a smooth surface: as if there was one only
+/// Hemispherical mean of the reflectance. @param alpha of the facets; that of a smooth surface: as if there was one
+/// only
 RSV_INLINE rsv_rgb rsv_filmed_mean(const rsv_bsdf *bsdf, int kind, rsv_table_place alpha)
 {
     rsv_rgb sum = rgb_gray(0);
@@ -194,7 +195,7 @@ RSV_INLINE float rsv_reflection_density(
            (4 * cos_h);
 }
 
-// ---- what single scattering misses --------------------------------------------------------------
+// ---- multiple scattering -------------------------------------------------------------------------
 
 /// Means below this come from rounding of the tables.
 #define RSV_LEAST_MISSING 1e-5f
@@ -218,8 +219,8 @@ RSV_INLINE float rsv_bsdf_missing_mean(const rsv_bsdf *bsdf, bool body, int side
     return f_max(mean, RSV_LEAST_MISSING);
 }
 
-/// Share of what glass misses that goes on to the far side. Light balanced on both sides of a body
-/// stays so if inside share * inside mean * ior^2 = outside share * outside mean.
+/// Fraction of glass's multiple scattering that is transmitted. Light in balance on both sides of a body stays so if
+/// inside fraction * inside mean * ior^2 = outside fraction * outside mean.
 RSV_INLINE float rsv_bsdf_missing_transmitted(const rsv_bsdf *bsdf, int side)
 {
     float passed = 1 - bsdf->smooth_mean;

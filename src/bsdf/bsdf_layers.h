@@ -1,15 +1,14 @@
-/// What lies over the base of rsv_bsdf: sheen, and the clear coat on top. Included by bsdf.h alone.
+/// Layers over the base of rsv_bsdf: sheen, and the clear coat on top. Included only by bsdf.h.
 ///
-/// Sheen has the directional albedo c S(w), S(w) = (1 - cos)^k, in the one reciprocal form that knows no
-/// azimuth, c S(wi) S(wo) / (pi S_mean): light off fibres that stand up, brightest along the surface. k
-/// falls with roughness so that the albedo follows the one of Charlie (Estevez and Kulla 2017). Under a
-/// clear coat, S has the factor 1 - c R of that.
+/// Sheen has the directional albedo c S(w), S(w) = (1 - cos)^k, in the only reciprocal form without azimuth, c S(wi)
+/// S(wo) / (pi S_mean). It models upright fibres, which are brightest at grazing angles. k falls with roughness so that
+/// the albedo is close to that of Charlie (Estevez and Kulla 2017). Under a clear coat, S is multiplied by its 1 - c R.
 #ifndef RSV_BSDF_LAYERS_H
 #define RSV_BSDF_LAYERS_H
 
 #define RSV_LAYER_VALUES 9
 
-/// All that a layer is made of.
+/// The values of a layer.
 typedef struct rsv_layer_values {
     float value[RSV_LAYER_VALUES];
 } rsv_layer_values;
@@ -27,7 +26,7 @@ RSV_INLINE bool rsv_bsdf_has_rough_layers(const rsv_bsdf *bsdf)
     return !rgb_is_black(bsdf->sheen) || (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0);
 }
 
-/// Whether all channels are alike to the layers.
+/// Whether the layers treat all channels equally.
 RSV_INLINE bool rsv_bsdf_layers_are_gray(const rsv_bsdf *bsdf)
 {
     return bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
@@ -52,13 +51,33 @@ RSV_LARGE float rsv_bsdf_clearcoat_albedo(const rsv_bsdf *bsdf, float cos)
                                  rsv_table_cos(cos));
 }
 
+/// The normal by which the clear coat reflects, on the side of n; n where light would end below the surface.
+RSV_INLINE rsv_vec3 rsv_bsdf_coat_normal(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n)
+{
+    if (!bsdf->tilted) return n;
+    rsv_vec3 own = bsdf->coat_normal;
+    if (v3_dot(own, n) < 0) own = v3_neg(own);
+    float cos = v3_dot(own, wo);
+    bool lost = cos <= 0 || 2 * cos * v3_dot(own, n) <= v3_dot(wo, n);
+    return lost ? n : own;
+}
+
+/// (1 - c R(m.wo)) / (1 - c R(n.wo))
+RSV_INLINE float rsv_bsdf_tilted_passage(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n)
+{
+    if (!bsdf->tilted) return 1;
+    float own = v3_dot(rsv_bsdf_coat_normal(bsdf, wo, n), wo), cos = v3_dot(n, wo);
+    return (1 - rsv_bsdf_clearcoat_albedo(bsdf, own)) /
+           f_max(1 - rsv_bsdf_clearcoat_albedo(bsdf, cos), 1e-6f);
+}
+
 /// S(w)
 RSV_INLINE float rsv_bsdf_sheen_albedo(const rsv_bsdf *bsdf, float cos)
 {
     return rgb_max(bsdf->sheen) > 0 ? powf(f_max(1 - fabsf(cos), 0), bsdf->sheen_power) : 0;
 }
 
-/// What the layers leave of light: as a chance, and per channel.
+/// Light that the layers transmit: as a probability, and per channel.
 typedef struct rsv_layer_passage {
     float chance;
     rsv_rgb light;
@@ -96,8 +115,8 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
-/// What layers leave of light off brushed metal: how that spreads is not tabulated, so that a little is lost where the less
-/// of both ways is taken, and nothing gained.
+/// Light off brushed metal that layers transmit. How it spreads is not tabulated. The smaller value of both directions
+/// is used, which loses a little energy and gains none.
 RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, float cos_i, float cos_o)
 {
     rsv_rgb i = rsv_bsdf_passage(bsdf, cos_i).light, o = rsv_bsdf_passage(bsdf, cos_o).light;
@@ -146,7 +165,7 @@ RSV_INLINE float rsv_bsdf_coated_sheen(const rsv_bsdf *bsdf, float cos)
     return rsv_bsdf_sheen_albedo(bsdf, cos) * (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos));
 }
 
-/// What the wide layers, those that look alike from all azimuths, send towards `wo` of even light.
+/// Light that the wide layers (those without azimuth) reflect towards `wo` under uniform illumination.
 typedef struct rsv_wide_layers {
     rsv_rgb sheen;
 } rsv_wide_layers;
@@ -159,7 +178,7 @@ RSV_INLINE rsv_wide_layers rsv_bsdf_wide_layers(const rsv_bsdf *bsdf, float cos_
 
 RSV_INLINE rsv_rgb rsv_wide_layers_albedo(const rsv_wide_layers *wide) { return wide->sheen; }
 
-/// sum + what they send of light from cos_i, times pi / cos_i
+/// sum + the light that they reflect from cos_i, times pi / cos_i
 RSV_INLINE rsv_rgb rsv_add_wide_layers(
     rsv_rgb sum, const rsv_bsdf *bsdf, const rsv_wide_layers *wide, float cos_i)
 {
@@ -170,15 +189,20 @@ RSV_INLINE rsv_rgb rsv_add_wide_layers(
 /// About the largest albedo of a wide layer.
 RSV_INLINE rsv_rgb rsv_bsdf_wide_layers_most(const rsv_bsdf *bsdf) { return bsdf->sheen; }
 
-/// The layers' own lobes.
-RSV_INLINE void rsv_add_layers(
+RSV_INLINE void rsv_add_clearcoat(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
 {
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), largest = rgb_max(bsdf->sheen);
-    if (cos_i <= 0) return;
+    rsv_vec3 own = rsv_bsdf_coat_normal(bsdf, wo, n);
+    if (v3_dot(n, wi) <= 0 || v3_dot(own, wi) <= 0) return;
     if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
-        rsv_add_term(value, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, n), rgb_gray(1));
-    if (largest == 0) return;
+        rsv_add_term(
+            value, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, own), rgb_gray(1));
+}
+
+RSV_INLINE void rsv_add_sheen(rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    float largest = rgb_max(bsdf->sheen);
+    if (cos_i <= 0 || largest == 0) return;
     float density = rsv_bsdf_coated_sheen(bsdf, cos_i) * cos_i / (RSV_PI * bsdf->sheen_mean);
     rsv_add_term(value, largest * rsv_bsdf_coated_sheen(bsdf, cos_o) * density,
         rgb_scale(bsdf->sheen, 1 / largest));
@@ -192,7 +216,7 @@ RSV_INLINE float rsv_microsurface_width(float roughness)
     return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
 }
 
-/// Means over the hemisphere, 2 int f cos dcos, are sums of so many values of f.
+/// Number of samples of f in the mean over the hemisphere, 2 int f cos dcos.
 #define RSV_MEAN_NODES 8
 
 /// Gauss's rule in x = sqrt(cos), 4 int f x^3 dx. @return the weight of node k
@@ -224,6 +248,9 @@ RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_material *m)
 {
     bsdf->clearcoat = m->clearcoat;
     bsdf->clearcoat_alpha = rsv_microsurface_width(m->clearcoat_roughness);
+    bsdf->tilted = rsv_coat_has_own_normals(m);
+    // one surface has one ideal reflection, along n: the coat's lobe is narrow instead
+    if (bsdf->tilted) bsdf->clearcoat_alpha = f_max(bsdf->clearcoat_alpha, RSV_SMOOTH_ALPHA);
     bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
     bsdf->sheen = m->sheen_color;
     bsdf->sheen_power = 2 / f_max(m->sheen_roughness, 0.1f);

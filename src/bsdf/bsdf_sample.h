@@ -1,8 +1,6 @@
-/// Sampling of rsv_bsdf: facets are drawn as they are visible, reflect or transmit by their
-/// reflectance, and count only if the light is not masked on its other leg; what is masked scatters
-/// again. Every step has the probability of the physical event, so no weights arise but colours, and
-/// under layers a(wi) / s(wo) of rough lobes (bsdf.h), which is 1 in the mean.
-/// Included by bsdf.h alone.
+/// Sampling of rsv_bsdf. Facets are drawn by visibility, and reflect or transmit by their reflectance. Light that is
+/// masked on its way out scatters again. Every step has the probability of the physical event, so weights are only
+/// colours and, under layers, a(wi) / s(wo) of rough lobes (bsdf.h), with a mean of 1. Included only by bsdf.h.
 #ifndef RSV_BSDF_SAMPLE_H
 #define RSV_BSDF_SAMPLE_H
 
@@ -16,9 +14,9 @@ typedef struct rsv_bsdf_draw {
     bool front;
     bool brushed;    ///< off brushed metal
     bool ideal;      ///< the direction comes from an ideal lobe
-    bool entered;    ///< it left through the coat diffusely: the weight knows the layers already
+    bool entered;    ///< it left through the coat diffusely: the weight already includes the layers
     int spread;      ///< RSV_SPREAD_* of the base's lobe
-    rsv_random rest; ///< numbers for what seldom needs them
+    rsv_random rest; ///< more random numbers, rarely needed
 } rsv_bsdf_draw;
 
 /// The next use of a number that lay below `split` (true) or above, stretched to [0, 1) again.
@@ -178,7 +176,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
     float cos_o = v3_dot(draw->n, draw->wo);
     float reflected = rsv_bsdf_coat_chance(bsdf, cos_o);
     if (rsv_split_number(&u, reflected)) {
-        // the chance is the mean over facets, so a facet is wanted that does reflect
+        // the probability is a mean over facets, so draw until one does reflect
         for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
             if (rsv_reflects_at_coat(draw, bsdf->alpha > 0 ? u : 0, &event)) return event;
             float u2 = rsv_random_float(&draw->rest), u1 = rsv_random_float(&draw->rest);
@@ -189,6 +187,8 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
     }
     event = rsv_event(RSV_LOBE_DIFFUSE, draw->n, rsv_bsdf_exit_weight(bsdf, cos_o));
     event.pdf_solid_angle = bsdf->diffuse * rsv_bsdf_exit_chance(bsdf, cos_o);
+    if (rsv_bsdf_meets_layers(bsdf, draw->front))
+        event.pdf_solid_angle *= rsv_bsdf_tilted_passage(bsdf, draw->wo, draw->n);
     float both = bsdf->diffuse + bsdf->passed;
     bool passes = bsdf->passed > 0 && u * both >= bsdf->diffuse;
     if (!passes && !diffuses) return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
@@ -208,7 +208,8 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
 RSV_INLINE rsv_bsdf_event rsv_draw_clearcoat(rsv_bsdf_draw *draw, float u1, float u2)
 {
     float alpha = draw->bsdf->clearcoat_alpha, cos_t;
-    rsv_vec3 wo = rsv_to_frame(draw->wo, draw->n);
+    rsv_vec3 own = rsv_bsdf_coat_normal(draw->bsdf, draw->wo, draw->n);
+    rsv_vec3 wo = rsv_to_frame(draw->wo, own);
     draw->ideal = alpha == 0;
     if (draw->ideal)
         return rsv_event(RSV_LOBE_REFLECT, rsv_mirrored(draw->wo, draw->n), rgb_gray(1));
@@ -216,8 +217,11 @@ RSV_INLINE rsv_bsdf_event rsv_draw_clearcoat(rsv_bsdf_draw *draw, float u1, floa
         rsv_vec3 h = rsv_ggx_sample_visible(wo, alpha, u1, u2), wi = rsv_mirrored(wo, h);
         float chance = rsv_fresnel_dielectric(f_min(v3_dot(wo, h), 1), RSV_CLEARCOAT_IOR, &cos_t);
         chance *= wi.z > 0 ? rsv_ggx_visibility(wo.z, wi.z, alpha) : 0;
-        if (rsv_random_float(&draw->rest) < chance)
-            return rsv_event(RSV_LOBE_REFLECT, rsv_from_frame(wi, draw->n), rgb_gray(1));
+        if (rsv_random_float(&draw->rest) < chance) {
+            rsv_vec3 direction = rsv_from_frame(wi, own);
+            bool above = v3_dot(direction, draw->n) > 0;
+            return rsv_event(above ? RSV_LOBE_REFLECT : RSV_LOBE_NONE, direction, rgb_gray(1));
+        }
         u1 = rsv_random_float(&draw->rest);
         u2 = rsv_random_float(&draw->rest);
     }
@@ -256,7 +260,7 @@ RSV_LARGE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, f
     return rsv_draw_coated(draw, u);
 }
 
-/// What the layers leave of light that the base sent from `direction`.
+/// Light from the base in `direction` that the layers transmit.
 RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direction)
 {
     float cos_o = v3_dot(draw->n, draw->wo), cos_i = v3_dot(draw->n, direction);
@@ -270,7 +274,9 @@ RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direct
 RSV_LARGE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u1, float u2)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
-    float cos_o = v3_dot(draw->n, draw->wo), coat = rsv_bsdf_clearcoat_albedo(bsdf, cos_o);
+    float cos_o = v3_dot(draw->n, draw->wo);
+    float coat_cos = v3_dot(rsv_bsdf_coat_normal(bsdf, draw->wo, draw->n), draw->wo);
+    float coat = rsv_bsdf_clearcoat_albedo(bsdf, coat_cos);
     if (rsv_split_number(&u, coat)) return rsv_draw_clearcoat(draw, u1, u2);
     if (rsv_split_number(&u, rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o)))
         return rsv_draw_sheen(draw);
@@ -315,7 +321,8 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
     // in the order in which draws split u[0]: the diffuse lobe has its last part
     float diffuse =
         (1 - bsdf->metallic) * (1 - bsdf->transmission) * (1 - rsv_bsdf_coat_chance(bsdf, cos_o));
-    if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
+    if (rsv_bsdf_meets_layers(bsdf, front))
+        diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance * rsv_bsdf_tilted_passage(bsdf, wo, n);
     return 1 - diffuse;
 }
 
@@ -342,7 +349,7 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     return event;
 }
 
-/// The coat alone, weighted by the chance that a facet reflects instead of drawn by it: most do not.
+/// The coat alone, weighted by the reflectance of facets instead of drawn by it, because most do not reflect.
 RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, float u2)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
@@ -357,7 +364,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, 
     return rsv_event(RSV_LOBE_REFLECT, wi, rgb_scale(choice.reflected, choice.reflect * visible));
 }
 
-/// What black glass reflects.
+/// Reflection of black glass.
 RSV_INLINE rsv_bsdf_event rsv_draw_black_glass(
     rsv_bsdf_draw *draw, float u_lobe, float u1, float u2)
 {

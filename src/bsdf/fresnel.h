@@ -6,7 +6,7 @@
 
 /// Unpolarised Fresnel reflectance of a smooth dielectric interface.
 /// @param cos_i cosine on the incident side, >= 0
-/// @param eta   ior of the far side over ior of the incident side
+/// @param eta   ior of the far side / ior of the incident side
 /// @param cos_t cosine on the far side, >= 0; 0 on total internal reflection
 /// @return 1 on total internal reflection
 RSV_INLINE float rsv_fresnel_dielectric(float cos_i, float eta, float *cos_t)

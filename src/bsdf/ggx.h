@@ -23,7 +23,7 @@ RSV_INLINE float rsv_ggx_lambda(float cos, float alpha)
     return 0.5f * (sqrtf(1 + alpha * alpha * t2) - 1);
 }
 
-/// G2 / G1: how much of what is visible from one direction (cos_o) is also visible from the other.
+/// G2 / G1: fraction of the area visible from one direction (cos_o) that is also visible from the other.
 RSV_INLINE float rsv_ggx_visibility(float cos_o, float cos_i, float alpha)
 {
     float lambda_o = rsv_ggx_lambda(cos_o, alpha), lambda_i = rsv_ggx_lambda(cos_i, alpha);

@@ -30,11 +30,11 @@
 typedef float rsv_albedo_row[RSV_TABLE_COS];
 typedef float rsv_brushed_rows[RSV_BRUSHED_TURN][RSV_BRUSHED_COS];
 
-/// Light off white metal with all that it scatters again, or reflected once by a dielectric.
+/// Light off white metal with multiple scattering, or reflected once by a dielectric.
 enum { RSV_SPREAD_METAL, RSV_SPREAD_INTERFACE, RSV_SPREADS };
 
-/// Where a rough surface sends light: [j][k] of what comes in at cosine k, the share that leaves about
-/// cosine j, so that sum_j [j][k] f(cos_j) is its integral of f, linear in sqrt(cos) between entries.
+/// Where a rough surface sends light: [j][k] is the fraction of the light arriving at cosine k that leaves near cosine
+/// j, so that sum_j [j][k] f(cos_j) is its integral of f, linear in sqrt(cos) between entries.
 typedef float rsv_spread[RSV_SPREAD_COS][RSV_SPREAD_COS];
 
 /// Means are hemispherical, 2 int f cos dcos, of the interpolated tables.

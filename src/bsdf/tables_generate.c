@@ -1,7 +1,7 @@
-/// Build tool: integrates what tables.h declares and writes it as C. `tables_generate OUTPUT.c`
+/// Build tool: integrates the tables declared in tables.h and writes them as C. `tables_generate OUTPUT.c`
 ///
-/// The albedo of single scattering is the mean of F G2 / G1 over visible normals; midpoints of a grid
-/// on their unit square integrate it to a few 1e-4.
+/// The albedo of single scattering is the mean of F G2 / G1 over visible normals. Midpoints of a grid on their unit
+/// square integrate it to a few 1e-4.
 #include "fresnel.h"
 #include "ggx.h"
 #include "tables.h"
@@ -128,7 +128,7 @@ static void spread_at(double row[RSV_SPREAD_COS], double x, double amount)
     row[j + 1] += amount * (place - j);
 }
 
-/// What is scattered once, as in `integrate`. @param ior of a dielectric; 0 = metal @return its sum
+/// Single scattering, as in `integrate`. @param ior of a dielectric; 0 = metal @return its sum
 static double spread_once(double row[RSV_SPREAD_COS], float ior, float cos_o, float alpha)
 {
     double sum = 0;
@@ -146,7 +146,7 @@ static double spread_once(double row[RSV_SPREAD_COS], float ior, float cos_o, fl
     return sum;
 }
 
-/// Adds what is scattered again, of density missing(cos) cos.
+/// Adds multiple scattering, of density missing(cos) cos.
 static void spread_again(double row[RSV_SPREAD_COS], const float *missing, double amount)
 {
     enum { STEPS = 1024 };
@@ -215,7 +215,7 @@ static double brushed_albedo(float x, float y, float cos_o, float phi)
     return sum / (AROUND * AWAY);
 }
 
-/// 2 int f cos dcos over a quarter of all azimuths, of what is interpolated.
+/// 2 int f cos dcos over a quarter of all azimuths, of interpolated values.
 static float brushed_mean(const rsv_brushed_rows rows, float x, float y)
 {
     enum { TURNS = 64, STEPS = 128 };
@@ -289,7 +289,7 @@ static void fill_film(rsv_bsdf_tables *t)
     }
 }
 
-/// Writes an array of `shape` (ending in 0) with its inner braces; returns what follows it.
+/// Writes an array of `shape` (terminated by 0) with its inner braces; returns the position behind it.
 static const float *print_array(FILE *file, const float *value, const int *shape)
 {
     if (shape[0] == 0) {

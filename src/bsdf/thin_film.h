@@ -1,21 +1,21 @@
 /// Reflectance of an interface under a thin film, per channel; plain C, also for device code.
 ///
-/// With a and b the amplitude reflectances of the film's two faces and D = 2 n d cos the path that a round trip in it adds,
-/// Airy's formula is a geometric series in cosines of that path,
+/// With a and b the amplitude reflectances of the film's two faces and D = 2 n d cos the path that a round trip in it
+/// adds, Airy's formula is a geometric series in cosines of that path,
 ///
 ///     1 - R = (1 - a^2) (1 - b^2) / (1 + a^2 b^2 + 2 a b cos(2 pi D / lambda))
 ///           = (1 - a^2) (1 - b^2) / (1 - a^2 b^2) (1 + 2 sum_m (-a b)^m cos(2 pi m D / lambda)),
 ///
-/// so its mean over what a channel is sensitive to takes no more than that channel's mean cosine, which is tabulated
-/// (as Belcour and Barla 2017 do for the eye's). Channels are those of linear sRGB under light of equal energy, scaled so
-/// that white is (1, 1, 1); what leaves their gamut is clamped.
+/// so its mean over a channel's sensitivity requires only that channel's mean cosine, which is tabulated (as Belcour
+/// and Barla 2017 do for the sensitivities of the eye). Channels are those of linear sRGB under equal-energy light,
+/// scaled so that white is (1, 1, 1). Values outside their gamut are clamped.
 #ifndef RSV_THIN_FILM_H
 #define RSV_THIN_FILM_H
 
 #include "tables.h"
 
 typedef struct rsv_thin_film {
-    float share;     ///< of the surface that has it; 0 = none
+    float share;     ///< fraction of the surface that has it; 0 = none
     float ior;       ///< >= 1
     float thickness; ///< micrometres
 } rsv_thin_film;
@@ -50,7 +50,7 @@ RSV_INLINE rsv_rgb rsv_film_transmittance(
     return sum;
 }
 
-/// Unpolarised reflectance, seen from outside at cosine `cos`. @param base ior of what is under the film, >= 1
+/// Unpolarised reflectance from outside at cosine `cos`. @param base ior below the film, >= 1
 RSV_LARGE rsv_rgb rsv_film_reflectance(
     const rsv_bsdf_tables *tables, rsv_thin_film film, float base, float cos)
 {

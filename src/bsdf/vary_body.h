@@ -48,7 +48,7 @@ RSV_INLINE bool rsv_same_layers(const rsv_bsdf *a, const rsv_bsdf *b)
     return same;
 }
 
-/// Whether all that `entry_scale` and `balance` follow from is the same: most textures vary no more than the base color.
+/// Whether all inputs of `entry_scale` and `balance` are equal: most textures vary only the base colour.
 RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
 {
     return a->coated == b->coated && a->layered == b->layered && a->alpha == b->alpha &&
@@ -68,7 +68,7 @@ RSV_INLINE void rsv_bsdf_set_brush(rsv_bsdf *bsdf, const rsv_material *m)
     bsdf->alpha = sqrtf(bsdf->brush_across * bsdf->brush_along);
 }
 
-/// Whether facets under a film reflect alike.
+/// Whether facets under the film have the same reflectance.
 RSV_INLINE bool rsv_same_film(const rsv_bsdf *a, const rsv_bsdf *b)
 {
     return a->film.share == b->film.share && a->film.ior == b->film.ior &&
@@ -77,8 +77,8 @@ RSV_INLINE bool rsv_same_film(const rsv_bsdf *a, const rsv_bsdf *b)
            (a->metallic == 0 || rsv_rgb_equal(a->base_color, b->base_color));
 }
 
-/// What the film is to a body of that roughness. Tables of what bodies scatter again are those of bare ones, from which films
-/// take up to 1 %: on frosted glass they fade away, and no light is gained.
+/// Fraction of the film on a body of that roughness. Multiple scattering is tabulated for bodies without a film, which
+/// absorbs up to 1 %. Films therefore fade away with roughness, so that no light is gained.
 RSV_INLINE float rsv_film_share(const rsv_bsdf *bsdf, float share)
 {
     const float full = 0.05f, none = 0.25f;
@@ -86,7 +86,7 @@ RSV_INLINE float rsv_film_share(const rsv_bsdf *bsdf, float share)
     return bsdf->solid ? share * f_min(f_max((none - bsdf->alpha) / (none - full), 0), 1) : share;
 }
 
-/// Sets the film of a surface whose interface is known. @param like what the surface was made from
+/// Sets the film of a surface whose interface is known. @param like the bsdf that the surface was made from
 RSV_INLINE void rsv_bsdf_set_film(rsv_bsdf *bsdf, const rsv_bsdf *like, const rsv_material *m)
 {
     float micrometres = f_min(m->iridescence_thickness_max, 1e9f) / 1000;
@@ -115,7 +115,7 @@ RSV_INLINE rsv_rgb rsv_bsdf_entry_scale(const rsv_bsdf *bsdf)
         1 / f_max(mean.b, RSV_LEAST_EXIT));
 }
 
-/// All but what rough lobes under layers need. @return whether they do
+/// Everything except what rough lobes under layers need. @return whether they need it
 RSV_INLINE bool rsv_bsdf_vary_unbalanced(const rsv_bsdf *bsdf, const rsv_material *m, rsv_bsdf *to)
 {
     *to = *bsdf;

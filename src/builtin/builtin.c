@@ -7,19 +7,20 @@
 
 static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres", "cornell-glass",
     "cornell-marble", "cornell-plaster", "cornell-showcase", "character", "furnace", "two-rooms",
-    "gallery", "terraces", NULL };
+    "gallery", "terraces", "fog-rooms", "milk", NULL };
 
-/// What a scene is measured in, if its size can be chosen.
+/// Unit and range of a scene's size, if it can be chosen.
 typedef struct size_range {
     const char *unit;
     double standard, least, most;
 } size_range;
 
-/// In the order of their names; one of the three.
+/// In the order of their names; one of the first three.
 static const struct {
     rsv_status (*build)(rsv_scene *);
     rsv_status (*build_around)(rsv_scene *, const rsv_builtin_desc *);
     rsv_status (*build_sized)(rsv_scene *, double size);
+    rsv_status (*fill)(rsv_scene *); ///< the air of the committed scene; NULL = it is clear
     size_range size;
 } generators[] = {
     { .build = rsv_build_cornell_blocks },
@@ -33,6 +34,8 @@ static const struct {
     { .build = rsv_build_two_rooms },
     { .build_sized = rsv_build_gallery, .size = { "rooms", 6, 1, 10000 } },
     { .build_sized = rsv_build_terraces, .size = { "triangles", 1e5, 5000, 1e8 } },
+    { .build = rsv_build_fog_rooms, .fill = rsv_fill_fog_rooms },
+    { .build = rsv_build_milk },
 };
 
 const char *const *rsv_scene_builtin_names(void) { return builtin_names; }
@@ -103,7 +106,7 @@ rsv_status rsv_scene_builtin_with(
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "there is no built-in scene '%s'; use cornell-blocks, cornell-spheres, cornell-glass, "
             "cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, "
-            "gallery or terraces",
+            "gallery, terraces, fog-rooms or milk",
             name);
     if (settings.body_triangles < 100 || settings.body_triangles > 20000000)
         return rsv_fail(RSV_ERROR_ARGUMENT,
@@ -112,6 +115,7 @@ rsv_status rsv_scene_builtin_with(
     RSV_TRY(rsv_scene_create(context, &built));
     RSV_TRY(generate(i, name, &settings, built));
     RSV_TRY(rsv_scene_commit(built));
+    if (generators[i].fill) RSV_TRY(generators[i].fill(built));
     *scene = built;
     return RSV_OK;
 cleanup:

@@ -1,6 +1,6 @@
-/// Two closed rooms, a thin wall and a door ajar between them. Light is in the right room alone, the
-/// camera in the left. Floor, ceiling and long walls run on under the partition, and the partition
-/// reaches through them: the classic test for light leaks.
+/// Two closed rooms with a thin wall between them and a door ajar. There is light only in the right room, and the
+/// camera is in the left one. Floor, ceiling and long walls continue under the partition, and the partition cuts
+/// through them: the classic test for light leaks.
 #include "builtin.h"
 
 #define HEIGHT 2.8f
@@ -94,7 +94,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_build_two_rooms(rsv_scene *scene)
+static rsv_status add_rooms(rsv_scene *scene)
 {
     rsv_status status;
     uint32_t plaster, boards, wood, cloth;
@@ -106,10 +106,47 @@ rsv_status rsv_build_two_rooms(rsv_scene *scene)
     RSV_TRY(add_partition(scene, plaster));
     RSV_TRY(add_door(scene, wood));
     RSV_TRY(add_furniture(scene, wood, cloth));
-    RSV_TRY(add_ceiling_lamp(scene));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_build_two_rooms(rsv_scene *scene)
+{
+    rsv_status status;
     rsv_camera camera = rsv_camera_look_at(
         "dark room", v3(-3.8f, 1.5f, 0.9f), v3(0, 1, -0.1f), 50 * RSV_PI / 180, 4.0f / 3);
+    RSV_TRY(add_rooms(scene));
+    RSV_TRY(add_ceiling_lamp(scene));
     RSV_TRY(rsv_scene_add_camera(scene, &camera));
 cleanup:
     return status;
+}
+
+/// The two rooms lit by a spot light behind the door: what passes the gap is a shaft of light in the fog.
+rsv_status rsv_build_fog_rooms(rsv_scene *scene)
+{
+    rsv_status status;
+    const rsv_vec3 lamp = v3(2.6f, 1.9f, -1), gap = v3(-0.2f, 1.1f, 0.4f);
+    const rsv_punctual_light spot = { .name = "spotlight",
+        .kind = RSV_PUNCTUAL_SPOT,
+        .position = lamp,
+        .direction = v3_normalize(v3_sub(gap, lamp)),
+        .intensity = { 400, 370, 310 },
+        .inner_cone_angle = 9 * RSV_PI / 180,
+        .outer_cone_angle = 12 * RSV_PI / 180 };
+    rsv_camera camera = rsv_camera_look_at("shaft", v3(-3.7f, 1.5f, -1), v3(-0.6f, 1, 0.5f),
+        55 * RSV_PI / 180, 4.0f / 3);
+    RSV_TRY(add_rooms(scene));
+    RSV_TRY(rsv_scene_add_camera(scene, &camera));
+    RSV_TRY(rsv_scene_add_light(scene, &spot));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_fill_fog_rooms(rsv_scene *scene)
+{
+    rsv_fog fog = rsv_default_fog();
+    fog.extinction = rgb_gray(0.3f);
+    fog.albedo = rgb_gray(0.9f);
+    return rsv_scene_set_fog(scene, &fog);
 }

@@ -1,5 +1,5 @@
-/// Terraces: a landscape of stepped pyramids and stepwells in blocks of 10 m, meshed all over in squares of 25 cm.
-/// More triangles make it larger, not finer, so that what solvers cost can be plotted over the size of a scene.
+/// Terraces: a landscape of stepped pyramids and stepwells in blocks of 10 m, meshed in squares of 25 cm. More
+/// triangles make it larger, not finer, so that the cost of solvers can be plotted over the size of a scene.
 #include "../core/sampling.h"
 #include "builtin.h"
 

@@ -71,7 +71,8 @@ cleanup:
     return status;
 }
 
-/// Cuts one tetrahedron: a triangle where one node is alone on its side, two where it is two against two.
+/// Cuts one tetrahedron: into a triangle if one node is on its own side, into two triangles if two nodes are on each
+/// side.
 static rsv_status cut_tetrahedron(grid *g, const uint32_t node[4])
 {
     rsv_status status = RSV_OK;
@@ -208,7 +209,7 @@ rsv_status rsv_isosurface_of_size(rsv_context *context, rsv_field field, rsv_vec
     rsv_vec3 high, size_t triangles, rsv_isosurface *surface)
 {
     rsv_status status;
-    // triangles grow with the square of the cells: one coarse trial tells the factor
+    // the number of triangles grows with the square of the cells: one coarse trial gives the factor
     RSV_TRY(rsv_isosurface_create(context, field, low, high, TRIAL_CELLS, surface));
     double ratio = (double)triangles / (double)(surface->triangle_count + 1);
     rsv_isosurface_release(context, surface);

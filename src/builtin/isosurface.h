@@ -15,8 +15,8 @@ typedef struct rsv_isosurface {
     size_t vertex_capacity, normal_capacity, index_capacity;
 } rsv_isosurface;
 
-/// Marching tetrahedra: cells of a cubic grid are cut into six tetrahedra around their diagonal (Kuhn),
-/// each into one or two triangles. Vertices are then moved onto the surface along the gradient. The mesh is
+/// Marching tetrahedra: each cell of a cubic grid is divided into six tetrahedra around its diagonal (Kuhn), and each
+/// of these contributes one or two triangles. Vertices are then moved onto the surface along the gradient. The mesh is
 /// closed if the surface stays within the box.
 /// @param cells along the longest side of the box
 rsv_status rsv_isosurface_create(rsv_context *context, rsv_field field, rsv_vec3 low, rsv_vec3 high,

@@ -13,7 +13,7 @@ typedef struct rsv_sculpture {
 /// A trefoil knot that swells and thins along its way.
 rsv_sculpture rsv_sculpture_knot(void);
 
-/// Head and shoulders of nobody in particular.
+/// A generic head and shoulders.
 rsv_sculpture rsv_sculpture_bust(void);
 
 #endif

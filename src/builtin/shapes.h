@@ -1,12 +1,11 @@
-/// Simple bodies, added to a scene as one mesh and one instance each; what the built-in scenes are
-/// made of.
+/// Simple bodies for the built-in scenes, each added as one mesh and one instance.
 #ifndef RSV_SHAPES_H
 #define RSV_SHAPES_H
 
 #include "../core/vec.h"
 #include "../scene/scene.h"
 
-/// Where and of what; `transform` NULL = identity.
+/// Position and material of a shape; `transform` NULL = identity.
 typedef struct rsv_shape {
     rsv_scene *scene;
     const char *name;

@@ -140,7 +140,7 @@ static void build_subtree(rsv_boxed_triangle *part, subtree t)
     build_subtree(part, right_of(&t, left));
 }
 
-/// Subtrees yet to be built.
+/// Subtrees that remain to be built.
 typedef struct build_job {
     rsv_boxed_triangle *part;
     uint32_t count;

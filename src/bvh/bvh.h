@@ -1,23 +1,23 @@
-/// An 8-wide bounding volume hierarchy for devices: compressed nodes of 80 bytes after Ylitie, Karras
-/// and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs" (2017).
+/// An 8-wide bounding volume hierarchy for devices: compressed nodes of 80 bytes after Ylitie, Karras and Laine,
+/// "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs" (2017).
 ///
-/// Built on the host, plain data afterwards: two arrays that can be copied to any memory. bvh_trace.h
-/// follows rays through them, on the host and on devices alike, and finds what src/trace finds, up to ties.
+/// Built on the host into two arrays of plain data, which can be copied to any memory. bvh_trace.h traces rays through
+/// them on hosts and devices, with the results of src/trace, up to ties.
 #ifndef RSV_BVH_H
 #define RSV_BVH_H
 
 #include "resolvent/scene.h"
 
-/// No path through the nodes is longer, whatever the triangles.
+/// Maximum depth, for any triangles.
 #define RSV_BVH_DEPTH 64
 /// Triangles of a leaf at most.
 #define RSV_BVH_LEAF 3
 
-/// Eight children in slots. A slot's bits 0, 1 and 2 say that its child lies on the far side along +x, +y and
-/// +z, as far as that can be had: for a ray towards +x +y +z, slots count from near to far.
+/// Eight children in slots. Bits 0, 1 and 2 of a slot's number say whether its child is on the far side along +x, +y
+/// and +z, as far as possible: for a ray towards +x +y +z, slots are ordered from near to far.
 ///
-/// Boxes are stored on a grid: along each axis, child k reaches from origin + low[k] * 2^exponent to
-/// origin + high[k] * 2^exponent. Arrays of eight bytes are pairs of words, the first child in the lowest byte.
+/// Boxes are stored on a grid: along each axis, child k extends from origin + low[k] * 2^exponent to origin + high[k] *
+/// 2^exponent. Arrays of eight bytes are pairs of words, with the first child in the lowest byte.
 typedef struct rsv_bvh_node {
     float origin[3];
     /// + 127, a byte for each axis; the highest byte has a bit for each slot with an inner child.
@@ -40,7 +40,7 @@ typedef struct rsv_bvh_triangle {
     uint32_t unused_c;
 } __attribute__((aligned(16))) rsv_bvh_triangle;
 
-/// The arrays, wherever they lie.
+/// The arrays, in any memory.
 typedef struct rsv_bvh_view {
     const rsv_bvh_node *node;            ///< [node_count]; the first is the root
     const rsv_bvh_triangle *triangle;    ///< [triangle_count] in the order of the leaves

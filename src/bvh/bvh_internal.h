@@ -1,4 +1,4 @@
-/// The binary tree that a wide one is made of.
+/// The binary tree from which a wide one is built.
 #ifndef RSV_BVH_INTERNAL_H
 #define RSV_BVH_INTERNAL_H
 

@@ -1,7 +1,7 @@
-/// Rays through the wide hierarchy, for host and device alike. Every path through the tree fits the stack.
+/// Ray tracing in the wide hierarchy, for hosts and devices. Every path through the tree fits into the stack.
 ///
-/// The ways of src/trace: hits lie in (0, t_max), directions need not be unit, triangles have two sides, u and v weigh the
-/// corners 1 and 2. Rays that leave surfaces start at rsv_offset_origin.
+/// Conventions are those of src/trace: hits are in (0, t_max), directions have any length, triangles have two sides, u
+/// and v are the weights of corners 1 and 2. Rays that leave surfaces start at rsv_offset_origin.
 #ifndef RSV_BVH_TRACE_H
 #define RSV_BVH_TRACE_H
 
@@ -16,8 +16,8 @@ typedef struct rsv_bvh_ray {
     uint32_t flip;            ///< turns slots into the order in which the ray meets them
 } rsv_bvh_ray;
 
-/// Children or triangles still to be visited: a bit each, from `first` on. Children have theirs in the highest byte, the
-/// nearest lowest, and the lowest byte says which slots hold children.
+/// Children or triangles that remain to be visited, one bit each, starting at `first`. Children use the highest byte,
+/// with the nearest in its lowest bit; the lowest byte says which slots contain children.
 typedef struct rsv_bvh_group {
     uint32_t first, bits;
 } rsv_bvh_group;
@@ -51,8 +51,8 @@ RSV_INLINE rsv_bvh_ray rsv_bvh_ray_of(rsv_vec3 origin, rsv_vec3 direction)
     return ray;
 }
 
-/// Distances at which a ray passes the planes of a node's grid along one axis: plane q at q * step + start, by as much as
-/// rounding may have moved it earlier or later.
+/// Distances at which a ray passes the planes of a node's grid along one axis: plane q at q * step + start, by as much
+/// as rounding may have moved it earlier or later.
 typedef struct rsv_bvh_axis {
     float step, start, slack;
 } rsv_bvh_axis;

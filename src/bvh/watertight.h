@@ -31,8 +31,8 @@ RSV_INLINE rsv_shear rsv_shear_of(rsv_vec3 direction)
     return shear;
 }
 
-/// a b - c d, each product rounded by itself whatever the compiler may contract: for the other triangle at an edge the
-/// result is the exact opposite.
+/// a b - c d, with each product rounded separately, even if the compiler contracts expressions. The result is the exact
+/// opposite for the other triangle at an edge.
 RSV_INLINE float rsv_cross_difference(float a, float b, float c, float d)
 {
 #if defined(__CUDA_ARCH__)

@@ -4,7 +4,7 @@
 #define NODE_COST 1.0f
 #define TRIANGLE_COST 0.3f ///< relative to a node's
 
-/// What is known of the subtrees of a binary tree.
+/// Costs of the subtrees of a binary tree.
 typedef struct forest_costs {
     const rsv_binary_node *root;
     float (

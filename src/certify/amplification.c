@@ -1,16 +1,16 @@
-/// With T = G K >= 0 and S = (I - T)^-1, what S makes of 1 is its norm for the largest error: M. From below, any x with
-/// (I - T) x >= d > 0 has S 1 <= x / d; here x = 1 + T 1 + ... + T^n 1, so that d = 1 - max T^(n+1) 1.
+/// With T = G K >= 0 and S = (I - T)^-1, the norm of S for the largest error is M = max S 1. For any x with (I - T) x
+/// >= d > 0, S 1 <= x / d. Here x = 1 + T 1 + ... + T^n 1, so d = 1 - max T^(n+1) 1.
 ///
-/// G is symmetric where area is weighted by what coats let through. So the adjoint of S is (I - K G)^-1 = 1 + K S G, its norm
-/// at most 1 + max albedo M, and by Schur's test ||S||_2 <= sqrt(M (1 + max albedo M)).
+/// G is symmetric if area is weighted by the transmission of coats. The adjoint of S is therefore (I - K G)^-1 = 1 + K
+/// S G, with a norm of at most 1 + max albedo M, and by Schur's test ||S||_2 <= sqrt(M (1 + max albedo M)).
 #include "amplification.h"
 
 #include "../solve/transport_map.h"
 
 #define MOST_ORDERS 1000
-/// The bound is this much above what more orders would lead to.
+/// The bound is at most this much above its limit for more orders.
 #define REST 0.02
-/// What rounding may take from sums of floats.
+/// Allowance for rounding in sums of floats.
 #define ROUNDING 1e-5
 
 static rsv_rgb rgb_most(rsv_rgb a, rsv_rgb b)

@@ -5,8 +5,8 @@
 #include "../solve/light.h"
 
 typedef struct rsv_amplification {
-    /// Of errors in the mean square, weighted by area and by what coats let through; INFINITY where light all but never
-    /// dies out.
+    /// Of root-mean-square errors, weighted by area and by the transmission of coats; INFINITY if light hardly dies
+    /// out.
     double factor;
     double
         coat_factor; ///< root of the largest over the least share that coats let through: area is the only weight then

@@ -2,7 +2,7 @@
 
 #include "../direct/photon_turn.h"
 
-/// A point is judged by the smallest part of its cell in which so many photons are to be expected.
+/// A point is compared over the smallest part of its cell in which this many photons are expected.
 #define ENOUGH_PHOTONS 16
 #define CHILDREN 4
 #define MIDDLE 3 ///< of the children; the others have the corner of their number
@@ -76,7 +76,7 @@ typedef struct counting {
     int64_t flux;   ///< luminance of all of them
 } counting;
 
-/// What enters the surface, as of the photons that stored caustics are of.
+/// Part of the light that enters the surface, as for the photons of stored caustics.
 static rsv_rgb entering(const rsv_light_view *s, const rsv_specular_path *path, rsv_rgb flux)
 {
     rsv_vec3 shading, geometric;
@@ -136,7 +136,7 @@ static int level_for(double expected)
     return level;
 }
 
-/// What is stored on average over the part of a cell that has these leading digits.
+/// Mean of the stored caustic over the part of a cell with these leading digits.
 static rsv_rgb stored_in(const rsv_light_view *s, uint32_t cell, uint32_t digits, int level)
 {
     const uint32_t *node = s->caustics.elements->cell_node[cell];

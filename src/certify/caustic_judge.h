@@ -1,14 +1,14 @@
-/// Caustics that no gather ray can find, judged by photons that the solution knows nothing of.
+/// Checks caustics that no gather ray can find, with photons that are independent of the solution.
 ///
-/// Photons of two passes of their own are counted in parts of the cells that points lie in: what they bring to a part, less
-/// what is stored there, is the mean of the caustic's error over it, twice without bias.
+/// Photons of two separate passes are counted in parts of the cells around points. The light that they bring to a part,
+/// minus that stored there, is an unbiased estimate of the mean error of the caustic over it; there are two of them.
 #ifndef RSV_CAUSTIC_JUDGE_H
 #define RSV_CAUSTIC_JUDGE_H
 
 #include "../solve/light.h"
 #include "surface_points.h"
 
-/// A cell is split in four so many times.
+/// How often a cell is divided into four.
 #define RSV_JUDGED_LEVELS 3
 #define RSV_JUDGED_PARTS 64 ///< 4^RSV_JUDGED_LEVELS
 
@@ -27,17 +27,18 @@ typedef struct rsv_caustic_judge {
     double photons; ///< that land per W of luminance, in one pass
 } rsv_caustic_judge;
 
-/// @param solution with caustics @param judge out; to be destroyed by the caller, whatever is returned
+/// @param solution with caustics @param judge out; destroyed by the caller, even after an error
 rsv_status rsv_caustic_judge_create(const rsv_light_view *solution, rsv_caustic_judge *judge);
 void rsv_caustic_judge_destroy(rsv_caustic_judge *judge);
 
-/// Before photons are shot: that a point is to be judged.
+/// Registers a point to be checked. Call it before photons are traced.
 void rsv_caustic_judge_add(rsv_caustic_judge *judge, const rsv_face_point *point);
 
 /// Shoots both passes.
 rsv_status rsv_caustic_judge_shoot(rsv_caustic_judge *judge, uint32_t seed, uint64_t *rays);
 
-/// The caustic less what is stored of it around a point that was added. @param difference out: two independent estimates, W/m2
+/// The caustic minus its stored value, around a registered point. @param difference out: two independent estimates,
+/// W/m2
 void rsv_caustic_judge_at(
     const rsv_caustic_judge *judge, const rsv_face_point *point, rsv_rgb difference[2]);
 

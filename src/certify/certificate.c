@@ -7,12 +7,12 @@
 #include "error_field.h"
 #include "point_density.h"
 
-/// Separates the points from all that the build draws from its seed.
+/// Makes the points independent of everything that the build draws from its seed.
 #define SEED_OF_POINTS 0x7f4a7c15u
 #define SEED_OF_PHOTONS 0x51c0a7e9u
 #define SEED_OF_AIR 0x2c9277b5u
 
-/// What is worked on.
+/// State of an examination.
 typedef struct examination {
     const rsv_light_view *solution;
     rsv_certify_desc desc;
@@ -57,7 +57,7 @@ static rsv_status judge_caustics(examination *x)
         &x->judge, rsv_hash2(x->desc.seed, SEED_OF_PHOTONS), &x->certificate->rays);
 }
 
-/// What takes samples on surfaces, or in the air.
+/// Data for sampling points on surfaces, or in the air.
 typedef struct sampling_job {
     examination *x;
     rsv_residual_job residual;
@@ -224,8 +224,8 @@ static rsv_moments measure_air(examination *x, const double *sum)
     return rsv_moments_of(x->value, x->desc.samples);
 }
 
-/// What the residual in the air adds to the bound: of the squared one, per area of the surfaces. Errors there come to surfaces
-/// as those of surfaces do. @param squared out
+/// Contribution of the residual in the air to the bound: squared, per area of the surfaces. Errors there reach surfaces
+/// as those on surfaces do. @param squared out
 static rsv_status judge_air(examination *x, double *squared)
 {
     const rsv_light_view *s = x->solution;

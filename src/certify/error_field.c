@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/// Relative residual of the solve: samples know s itself to a few percent at best.
+/// Relative residual of the solve: samples determine s to a few percent at best.
 #define ACCURACY 1e-2
 /// Sets that are solved together: memory for speed.
 #define SETS_AT_A_TIME 4
@@ -16,8 +16,8 @@ typedef struct residual_samples {
     double area; ///< that they stand for, m2
 } residual_samples;
 
-/// The residual as a field on the elements: each sample is handed to the hats around it, over their areas. (What the
-/// operator makes of it is the mean over all samples of what it makes of each.)
+/// The residual as a field on the elements: each sample is distributed to the hat functions around it, divided by their
+/// areas. (The operator's image of it is the mean over all samples of their images.)
 static void project(
     const rsv_light_view *s, const residual_samples *samples, size_t set, rsv_rgb *load)
 {

@@ -1,9 +1,8 @@
-/// From the residual to the error: e = r + s with s = (I - G K)^-1 G K r, what the residual becomes after one or more
-/// reflections.
+/// From the residual to the error: e = r + s with s = (I - G K)^-1 G K r, the residual after one or more reflections.
 ///
-/// s is smooth, and integrals over all residuals smooth away the noise of each: a few thousand points determine it on
-/// the solution's own elements, by its own operator. Of r itself, which no element could hold, only mean squares
-/// are ever formed.
+/// s is smooth, and integrals over all residuals average their noise. A few thousand points determine it on the
+/// solution's own elements, with its own operator. r itself cannot be represented on elements; only mean squares of it
+/// are used.
 #ifndef RSV_ERROR_FIELD_H
 #define RSV_ERROR_FIELD_H
 
@@ -12,8 +11,8 @@
 #include "residual.h"
 #include "resolvent/certify.h"
 
-/// Independent samples of residuals, and the reflected error that each of them predicts: products of different sets have
-/// no bias, and what leaving out one of them changes tells how well the whole is known.
+/// Independent sets of residuals, and the reflected error predicted by each: products of different sets have no bias,
+/// and the effect of omitting one of them shows how uncertain the whole is.
 #define RSV_SAMPLE_SETS 8
 
 typedef struct rsv_error_field {
@@ -34,13 +33,13 @@ rsv_status rsv_error_field_create(const rsv_light_view *solution, const rsv_resi
     size_t count, double area, rsv_error_field *field);
 void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);
 
-/// rsv_certify, and the field that it found on the way.
-/// @param field to be destroyed by the caller, whatever is returned; its fields stay NULL where nothing is diffuse
+/// rsv_certify, with the field computed on the way.
+/// @param field destroyed by the caller, even after an error; its fields stay NULL if nothing is diffuse
 rsv_status rsv_examine(const rsv_light_view *solution, const rsv_certify_desc *desc,
     rsv_certificate *certificate, rsv_error_field *field);
 
-/// Mean of e^2 with e = r + s, luminance, (W/m2)^2, and how well it is known, all noise that the residuals of a set share
-/// through their s included.
+/// Mean of e^2 with e = r + s, luminance, (W/m2)^2, and how well it is known, all noise that the residuals of a set
+/// share through their s included.
 rsv_moments rsv_mean_squared_error(const rsv_light_view *solution,
     const rsv_residual_sample *sample, size_t count, const rsv_error_field *field);
 

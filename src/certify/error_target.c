@@ -8,12 +8,12 @@
 
 /// Rounds aim this far below the target, so that the interval fits below it too.
 #define AIM 0.75
-/// What is wanted where nothing is said.
+/// The default target.
 #define DEFAULT_ERROR 0.05
 /// A round multiplies elements and samples by the first of these at most, by a later one where time is short.
 static const double largest_step[] = { 4, 2, 1.25 };
 enum { STEPS = 3 };
-/// Rounds take up to this many times what they are planned to.
+/// Rounds may take up to this many times their planned time.
 #define DOUBT 1.5
 /// From steps of this size on, rays grow along with elements.
 #define RAYS_STEP 1.5
@@ -24,10 +24,11 @@ enum { STEPS = 3 };
 #define MOST_DIRECT_LEVELS 8
 #define MOST_PHOTONS 500000000u
 #define REFINEMENTS 3
-/// A round that leaves more than this of the lowest error so far has not helped; so many of them in a row end it.
+/// A round that leaves more than this fraction of the lowest error so far has not helped; this many in a row end the
+/// rounds.
 #define LEAST_PROGRESS 0.9
 #define IDLE_ROUNDS 2
-/// A certificate that cannot tell, or is to be confirmed, is given more points: from the first number up to the second.
+/// A certificate that is undecided, or must be confirmed, gets more points: from the first number up to the second.
 #define FIRST_SAMPLES 512
 #define MOST_SAMPLES 65536
 #define MORE_POINTS 4
@@ -57,8 +58,8 @@ typedef struct pursuit {
     double lowest;          ///< error so far
     uint32_t rounds, idle;
     double cost;        ///< of the next round over the present one
-    double size;        ///< likewise its rows
-    double direct_size; ///< likewise its direct elements
+    double size;        ///< planned number of rows
+    double direct_size; ///< planned number of direct elements
 } pursuit;
 
 void rsv_error_target_init(rsv_error_target *desc, size_t size, double relative_error)
@@ -86,7 +87,7 @@ static bool is_aimed(const pursuit *p)
     return p->desc.goal_point_count > 0 || p->desc.goal_camera != RSV_NONE;
 }
 
-/// An error of what is held for dark is as large as any.
+/// Where the solution is dark, any error counts as infinite.
 static double relative(double error, double light)
 {
     return light > 0 ? error / light : error > 0 ? INFINITY : 0;
@@ -125,7 +126,7 @@ static rsv_status certify(pursuit *p)
 
 static bool is_below_target(const pursuit *p) { return p->upper <= p->target->relative_error; }
 
-/// Whether points alone keep the interval above the target, and more may be had.
+/// Whether only the number of points keeps the interval above the target, and more are allowed.
 static bool is_undecided(const pursuit *p)
 {
     return p->error < AIM * p->target->relative_error && !is_below_target(p) &&
@@ -147,8 +148,8 @@ static void take_more_points(rsv_certify_desc *certify)
     certify->seed = rsv_hash2(certify->seed, SEED_OF_MORE_POINTS);
 }
 
-/// Certifies anew, with more points and others, as long as those are what keeps the interval above the target; and once
-/// more where it lies below: of so many looks one might be lucky, and few points know little of what they have missed.
+/// Certifies again with more and other points, as long as these keep the interval above the target, and once more if it
+/// is below: one of many looks might be lucky, and a few points may have missed much.
 static rsv_status certify_decisively(pursuit *p)
 {
     p->certify.samples = FIRST_SAMPLES;
@@ -162,7 +163,7 @@ static rsv_status certify_decisively(pursuit *p)
     }
 }
 
-/// Lets go of the present solution, but for the best one where memory is not short.
+/// Frees the present solution, unless it is the best one and memory suffices.
 static void let_go(pursuit *p)
 {
     if (p->solution != p->best.solution) rsv_light_destroy(p->solution);
@@ -172,7 +173,8 @@ static void let_go(pursuit *p)
     p->best.solution = NULL;
 }
 
-/// Notes whether the round has helped, and keeps what is best: what reaches the target, or else errs least.
+/// Records whether the round has helped, and keeps the best solution: one that reaches the target, or the one with the
+/// lowest error.
 static void judge_round(pursuit *p)
 {
     bool helped = p->rounds == 0 || p->error <= LEAST_PROGRESS * p->lowest;
@@ -237,8 +239,8 @@ static void refine_operator(pursuit *p, double excess, double largest)
     p->size *= step;
 }
 
-/// Refines the parts of the residual that alone would use up half of what is allowed; the larger one at least. After a round
-/// that has not helped, both: shadows that are narrower than the cells which they fall on take finer elements to be seen.
+/// Refines the parts of the residual that alone would use more than half of the allowed error, or at least the larger
+/// one. After a round that has not helped, both: shadows narrower than their cells need finer elements to be seen.
 static void choose_refinement(pursuit *p, double largest)
 {
     const rsv_certificate *c = p->certificate;

@@ -9,7 +9,7 @@
 
 #define SEED_OF_GOAL 0x94d049bbu
 #define SEED_OF_PHOTONS 0x3f84d5b5u
-/// Rays each way that weigh what is seen.
+/// Camera rays in each direction, whose hits are weighted.
 #define SIDE 256
 /// Part of the points that are spread evenly, lest a spot of no importance on elements have some in truth.
 #define EVEN_SHARE 0.1
@@ -107,7 +107,7 @@ static rsv_rgb irradiance_at_node(const rsv_light_view *s, uint32_t node)
     return rsv_light_view_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
 }
 
-/// <w, E~>: what the goal sees of diffuse surfaces.
+/// <w, E~>: the goal's reading of diffuse surfaces.
 static double reading_of(const rsv_light_view *s, const rsv_rgb *weight)
 {
     double sum = 0;

@@ -1,5 +1,5 @@
-/// Where the error is, as a picture: the estimate of e^2 at one surface point per pixel, averaged over its neighbours on
-/// the same surface.
+/// Where the error is, as a picture: the estimate of e^2 at one surface point per pixel, averaged over its neighbours
+/// on the same surface.
 #include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../core/srgb.h"
@@ -9,13 +9,13 @@
 
 #define SEED_OF_PIXELS 0x51ed270bu
 #define SEED_OF_PHOTONS 0x7c3a92d1u
-/// Averages reach so many pixels each way ...
+/// Averages extend this many pixels in each direction ...
 #define REACH 5
 /// ... over surfaces of one material whose normals agree so far (cosine).
 #define SAME_NORMAL 0.9f
 #define BAR_HEIGHT 12
 
-/// What one pixel shows.
+/// Data of one pixel.
 typedef struct heat_pixel {
     rsv_face_point point;
     double squared; ///< e_a e_b, luminance

@@ -53,7 +53,7 @@ rsv_moments rsv_moments_with(rsv_moments m, size_t count, double variance)
     return (rsv_moments){ m.mean, { m.ci95[0] - wider, m.ci95[1] + wider } };
 }
 
-/// Mean of what is known of a number that cannot be negative: of the part above 0 of a normal distribution.
+/// Mean of a number that cannot be negative: of the positive part of a normal distribution.
 static double positive_mean(double mean, double deviation)
 {
     if (!(deviation > 0)) return fmax(mean, 0);

@@ -14,15 +14,16 @@ typedef struct rsv_moments {
 /// interval would end too low.
 rsv_moments rsv_moments_of(const double *sample, size_t count);
 
-/// Mean by weights, a ratio of two sums: its interval is that of the ratio in the first order. Weights of 1 change nothing.
+/// Mean by weights, a ratio of two sums: its interval is that of the ratio in the first order. Weights of 1 change
+/// nothing.
 /// @param sample overwritten
 rsv_moments rsv_moments_by_weight(double *sample, const double *weight, size_t count);
 
 /// With another independent variance of the mean. @param count of the samples
 rsv_moments rsv_moments_with(rsv_moments moments, size_t count, double variance);
 
-/// Square roots. Where chance has made an estimate too small, negative even, it is the mean of what it may be: of the
-/// normal distribution around it, as far as that is above 0. Of a number that is known well it is the root.
+/// Square roots. An estimate that is too small by chance, or even negative, is replaced by the mean of the positive
+/// part of the normal distribution around it. If the number is known well, this is the root.
 rsv_moments rsv_moments_root(rsv_moments squares);
 
 #endif

@@ -6,7 +6,7 @@
 #include "../render/stored_noise.h"
 
 #define SHARE_BY_AREA 0.5
-/// Share of the light that may be wrong where something stands on a cell, or close beside it.
+/// Fraction of the light that may be wrong where something touches or almost touches a cell.
 #define CUT_ERROR 0.3
 
 /// A cell is known by the middles of the four it could be split into.
@@ -87,7 +87,7 @@ rsv_face_point rsv_point_density_draw(
     return point_in(&e->cell[cell], s, t);
 }
 
-/// What lookups return there; of direct light that the renderer finds itself what coarse elements know.
+/// The stored value there; for direct light that is left to the renderer, that of the coarse elements.
 static double stored_luminance(const rsv_light_view *s, rsv_face_point p)
 {
     return (double)rgb_luminance(rgb_add(rsv_light_view_direct(s, p.face, p.u, p.v, false),
@@ -99,14 +99,14 @@ typedef struct cell_indicators {
     const rsv_light_view *solution;
     const rsv_elements *elements;
     rsv_stored_noise noise;
-    float *value[2];  ///< [cell_count]: squares of the light, of what it is suspected to err by
+    float *value[2];  ///< [cell_count]: squares of the light, and of its suspected error
     double weight[2]; ///< that makes their integrals 1
 } cell_indicators;
 
 static const float middle[CHILDREN][2] = { { 1.0f / 6, 1.0f / 6 }, { 2.0f / 3, 1.0f / 6 },
     { 1.0f / 6, 2.0f / 3 }, { 1.0f / 3, 1.0f / 3 } };
 
-/// The square of the light, and the variance that stored light shows; beside what something cuts, any share of the light may
+/// The square of the light, and the variance visible in stored light. Next to contacts, any fraction of the light may
 /// be wrong.
 static void judge_cell(cell_indicators *i, uint32_t cell)
 {

@@ -1,8 +1,9 @@
-/// Random points on everything that has an irradiance: a share of them uniform in area, the others where they matter.
+/// Random points on everything that has an irradiance: a fraction of them uniform in area, the others where they
+/// matter.
 ///
-/// The points of a mean square must lie where its integrand is. With density q, and p = 1 / area, a point counts with the
-/// weight w = p / q: expectations are those of points uniform in area, whatever the indicator says, and as q holds
-/// a share of p, no weight exceeds 1 / share.
+/// For a mean square, points should be where the integrand is large. With density q, and p = 1 / area, a point has the
+/// weight w = p / q. Expectations are those of points uniform in area, whatever the indicator. Because q contains a
+/// fraction of p, no weight exceeds 1 / fraction.
 #ifndef RSV_POINT_DENSITY_H
 #define RSV_POINT_DENSITY_H
 
@@ -24,9 +25,9 @@ typedef double (*rsv_cell_indicator)(const void *user, uint32_t cell);
 rsv_status rsv_point_density_create(const rsv_elements *elements, double even_share,
     rsv_cell_indicator indicator, const void *user, rsv_point_density *density);
 
-/// Half of the points by area; a quarter by area x E~^2 as the solution's finest elements hold it, for errors are a share of
-/// the light that is there, and a small bright spot may hold most of it; a quarter by the variance that stored light shows
-/// (render/stored_noise.h), and where something stands on cells or close beside them.
+/// Half of the points are uniform in area. A quarter are by area x E~^2 on the solution's finest elements, because
+/// errors are proportional to light, and a small bright spot may have most of it. A quarter are by the variance visible
+/// in stored light (render/stored_noise.h), and at cells with contacts.
 rsv_status rsv_point_density_of_light(const rsv_light_view *solution, rsv_point_density *density);
 
 void rsv_point_density_destroy(rsv_point_density *density);

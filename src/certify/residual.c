@@ -7,7 +7,7 @@
 #include "../render/pixel_direct.h"
 #include "../sources/partition.h"
 
-/// The surface point at which light is gathered. Not to be copied.
+/// The surface point at which light is gathered. Must not be copied.
 typedef struct receiver {
     const rsv_residual_job *job;
     rsv_receiver at;
@@ -85,7 +85,7 @@ static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
     return rgb_scale(sum, 1 / count);
 }
 
-/// What next-event estimation finds.
+/// Light found by next-event estimation.
 static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
 {
     rsv_random random = rsv_random_from(stream, 1, 0x51f2u);
@@ -146,7 +146,7 @@ static rsv_rgb radiance_in_fog(const receiver *r, rsv_vec3 place, rsv_random *ra
     return rsv_fog_stored_radiance(s, place, false);
 }
 
-/// @param entered what light along the ray counts for
+/// @param entered weight of light along the ray
 static rsv_gather follow(const receiver *r, const rsv_ray *ray, rsv_rgb entered, rsv_random *random)
 {
     const rsv_transport_scene *scene = &r->job->solution->scene;
@@ -187,8 +187,8 @@ static rsv_rgb gather_one(
     return radiance_of(r, &gather, random);
 }
 
-/// Gather rays find small lamps through glass now and then only: where caustics are bright, more rays are due. What
-/// decides is the stored caustic, not what rays have found, so that nothing is biased.
+/// Gather rays only rarely find small lamps through glass, so bright caustics get more rays. The stored caustic
+/// decides, not the rays' results, so there is no bias.
 static uint32_t ray_count(const receiver *r, rsv_rgb stored_caustic)
 {
     float mean = (float)r->job->solution->report.mean_irradiance;
@@ -205,7 +205,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction = v3_turned_to(r->at.point.normal, d);
-        // what a tilted normal sends below the surface counts, and finds nothing
+        // directions below the surface, due to a tilted normal, count, but find nothing
         if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);
         sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;

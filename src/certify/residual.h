@@ -1,17 +1,16 @@
 /// The residual of the continuous equation at one point: E0 + G K E~ - E~.
 ///
-/// Everything but E~ itself is estimated without bias, from rays and nothing that elements store:
+/// Everything but E~ itself is estimated without bias, from rays and without elements:
 ///
-/// - sources by next-event estimation, with unshadowed light in closed form as control variate; its factor for one
-///   sample comes from the *other* samples, which are independent, so that nothing is biased;
-/// - gathered sources, the sky and caustics by the gather rays that meet them;
-/// - G K E~ by gather rays that look E~ up where they end, under the textures as they are there.
+/// - sources, by next-event estimation with the closed-form unshadowed light as control variate. Its factor for one sample comes
+///   from the *other* samples, which are independent, so there is no bias;
+/// - gathered sources, the sky and caustics, by gather rays that hit them;
+/// - G K E~, by gather rays that look E~ up where they end, with the textures there.
 ///
-/// Light is received by normal maps, averaged as elements average them: what they change within a patch that stored light
-/// stands for it does not hold.
+/// Normal maps are averaged as elements average them, because stored light does not represent their detail.
 ///
-/// Two things are taken from the solution: what translucent surfaces show (the diffusion below them is the
-/// operator's), and caustics where punctual lights cast them, which no gather ray can find: photons judge those.
+/// Two parts are taken from the solution: what translucent surfaces show (their diffusion is the operator's), and
+/// caustics of punctual lights, which no gather ray can find and which photons check.
 #ifndef RSV_RESIDUAL_H
 #define RSV_RESIDUAL_H
 
@@ -29,7 +28,7 @@ typedef struct rsv_residual_job {
 /// Two independent estimates at one point.
 typedef struct rsv_residual {
     rsv_rgb residual[2];
-    rsv_rgb direct[2];     ///< the part of it in what next-event estimation finds
+    rsv_rgb direct[2];     ///< the part of it in light found by next-event estimation
     rsv_rgb irradiance[2]; ///< E~; the two differ if direct light is exact
     float ior;             ///< of the medium that the point faces
     uint64_t rays;

@@ -31,7 +31,7 @@ static void add_samples(const rsv_light_view *s, const rsv_residual_sample *samp
     }
 }
 
-/// Over what is not buried, as samples are.
+/// Sums over nodes that are not buried, as samples do.
 static void add_nodes(const rsv_light_view *solution, const rsv_error_field *field, set_sums *sums)
 {
     const rsv_elements *e = solution->elements;

@@ -1,4 +1,4 @@
-/// Places on what has an irradiance, and which of them count.
+/// Points on everything that has an irradiance, and which of them count.
 #ifndef RSV_SURFACE_POINTS_H
 #define RSV_SURFACE_POINTS_H
 
@@ -12,22 +12,22 @@ typedef struct rsv_face_point {
     float u, v;
 } rsv_face_point;
 
-/// What is seen of a scene's surfaces: judged by its geometry alone, alike for solutions of every quality.
+/// Visible parts of a scene's surfaces. Depends only on geometry, and is the same for solutions of every quality.
 typedef struct rsv_visible_surface {
     const rsv_transport_scene *scene;
     const rsv_elements *elements; ///< whose faces points lie on
-    float contact;                ///< m: what is closer above a point touches it
+    float contact;                ///< m: geometry closer than this above a point touches it
 } rsv_visible_surface;
 
-/// Edge of the patch that the finest stored light around a point stands for: normal maps are averaged over it where light
-/// is judged, as elements average them (rsv_direct_width). What is finer pixels add themselves.
+/// Side of the patch that the finest stored light around a point represents, over which normal maps are averaged, as
+/// elements do (rsv_direct_width). Pixels add finer detail.
 float rsv_point_width(const rsv_light_view *solution, const rsv_face_point *point);
 
 rsv_visible_surface rsv_visible_surface_of(
     const rsv_transport_scene *scene, const rsv_elements *elements);
 
-/// Whether a point lies inside other geometry, in touch with it, or under a face in the same place that hides it
-/// (scene/twins.h): nobody sees its light. What elements merely do without, because something hangs close above it, counts.
+/// Whether a point is inside other geometry, touches it, or is hidden by a face in the same place (scene/twins.h).
+/// Points that elements only skip because something is close above them count.
 bool rsv_point_is_buried(
     const rsv_visible_surface *surface, const rsv_face_point *point, uint32_t seed, uint64_t *rays);
 

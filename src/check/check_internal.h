@@ -23,10 +23,10 @@ rsv_status rsv_check_tell(rsv_checker *checker, const rsv_finding *finding, cons
 /// Edges of each object: faces that turn different ways, seams that are open.
 rsv_status rsv_check_edges(rsv_checker *checker);
 
-/// Faces that share all their corners with others, in whatever order.
+/// Faces that share all corners with another face, in any order.
 rsv_status rsv_check_doubled(rsv_checker *checker);
 
-/// What cameras see: backs, and gaps in a closed room.
+/// Faults visible to cameras: backs, and gaps in a closed room.
 rsv_status rsv_check_views(rsv_checker *checker);
 
 /// An order of points: by x, then y, then z.

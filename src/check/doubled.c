@@ -1,5 +1,5 @@
-/// Faces that are there twice. Those that lie in the plane of others and overlap them only in part are none: a rug on a floor,
-/// slivers at a fold that meet by rounding.
+/// Faces that are there twice. Those that lie in the plane of others and overlap them only in part are none: a rug on a
+/// floor, slivers at a fold that meet by rounding.
 #include "check_internal.h"
 
 #include "../core/vec.h"

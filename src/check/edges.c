@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Edges this part of the object's size apart are meant to be one.
+/// Edges within this fraction of the object's size of each other were probably meant to be one.
 #define SEAM 1e-4f
 /// Neighbours along x that an edge is compared with at most: a heap of edges takes no quadratic time.
 enum { MOST_COMPARED = 64 };
@@ -15,7 +15,7 @@ enum { MOST_COMPARED = 64 };
 typedef struct edge {
     rsv_vec3 a, b;
     uint32_t object;
-    bool turned; ///< its triangle has it the other way round
+    bool turned; ///< its triangle uses the opposite direction
 } edge;
 
 static int compare_edges(const void *p, const void *q)
@@ -46,7 +46,7 @@ static bool is_same_edge(const edge *e, const edge *f)
            compare_places(e->b, f->b) == 0;
 }
 
-/// Edges of an object in a sorted list, and what is wrong with them.
+/// The sorted edges of an object, and their faults.
 typedef struct object_edges {
     edge *border; ///< [border_count] those of a single triangle
     size_t border_count, inner, flipped;
@@ -75,8 +75,8 @@ static object_edges sort_out(edge *edges, size_t first, size_t end)
 
 static float distance(rsv_vec3 p, rsv_vec3 q) { return v3_max_abs(v3_sub(p, q)); }
 
-/// Edges of the border that lie beside another one without being it. They are sorted by the x of their beginning.
-/// @param widest out: metres between such edges at most
+/// Border edges that touch another edge without sharing it. Edges are sorted by the x of their start.
+/// @param widest out: largest distance between such edges, metres
 static size_t count_seams(const object_edges *o, float *widest)
 {
     float reach = SEAM * v3_max_abs(v3_sub(o->high, o->low));

@@ -1,4 +1,4 @@
-/// What cameras see that they should not.
+/// Things that cameras should not see.
 #include "check_internal.h"
 
 #include "../core/sampling.h"

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Rays towards smooth surfaces, of all sources together, by solid angle; each triangle gets one beside if these are no more.
+/// Rays towards smooth surfaces, for all sources together, by solid angle; each triangle gets one more if there are
+/// fewer.
 #define RAYS 8192
 #define LEAST_RAYS 1024 ///< of a source
 #define FAINT 3e-4f     ///< chains that leave less of the light are left out
@@ -32,7 +33,7 @@ typedef struct target_list {
 /// A ray of the search at a surface.
 typedef struct branch {
     rsv_specular_path path;
-    float passed; ///< share of the light that has passed blended surfaces alone
+    float passed; ///< fraction of the light that has only passed blended surfaces
     uint32_t count;
     rsv_chain_event event[RSV_CHAIN_EVENTS];
 } branch;
@@ -60,7 +61,7 @@ bool rsv_chain_set_out(const rsv_connections *c, const rsv_connect_source *sourc
     return true;
 }
 
-// ---- what is known ------------------------------------------------------------------------------
+// ---- known chains --------------------------------------------------------------------------------
 
 static uint64_t hash_of(const search *s, const rsv_chain_event *event, uint32_t count)
 {
@@ -143,7 +144,7 @@ cleanup:
 
 // ---- rays ---------------------------------------------------------------------------------------
 
-/// Adds what the ray does at its surface as a chain, and goes on from there later.
+/// Adds the ray's event at its surface as a chain, to be continued from there later.
 static void branch_off(search *s, const branch *from, bool transmit, const rsv_bsdf_branches *lobe)
 {
     rsv_rgb weight = transmit ? lobe->transmit : lobe->reflect;
@@ -248,7 +249,7 @@ static void shoot(search *s, const rsv_connect_source *source, uint32_t triangle
         triangle);
 }
 
-/// Shares rays out among triangles by the solid angle that they fill. Where triangles are fewer, each gets one beside.
+/// Divides rays among triangles by solid angle. If there are fewer triangles than rays, each gets one more.
 static void search_from(
     search *s, const rsv_connect_source *source, const target_list *targets, double rays)
 {
@@ -328,8 +329,8 @@ static rsv_vec3 flat_normal(const rsv_scene_view *view, uint32_t triangle)
     return flat ? n : v3(0, 0, 0);
 }
 
-/// Rays can only be followed from facet to facet where normals tell how the surface bends: of many facets without, most
-/// are missed.
+/// Rays can only be followed from facet to facet if normals describe the curvature. Without normals, most of many
+/// facets are missed.
 static void warn_of_facets(const rsv_connections *c, const target_list *targets, double rays)
 {
     const rsv_scene_view *view = c->scene.view;

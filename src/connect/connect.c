@@ -14,7 +14,7 @@
 #define INSIDE 1e-9      ///< by which barycentric coordinates may be negative
 #define CLEAR 1e-4f      ///< of the last segment that need not be free
 
-/// What is sought: a ray by way of a chain that comes by a point.
+/// The problem to solve: a ray through a chain that passes a point.
 typedef struct aim {
     const rsv_connections *c;
     const rsv_connect_source *source;
@@ -22,7 +22,7 @@ typedef struct aim {
     rsv_chain_event event[RSV_CHAIN_EVENTS];
     rsv_chain_hit hit[RSV_CHAIN_EVENTS];
     rsv_double3 point;
-    double at[2];    ///< u, v beside the seed
+    double at[2];    ///< u, v relative to the seed
     double area;     ///< at the point per u and v
     double distance; ///< of the last segment
 } aim;
@@ -36,8 +36,8 @@ typedef struct route {
 
 // ---- one chain ----------------------------------------------------------------------------------
 
-/// Where the ray passes the point: as far beside it as `offset`, along two directions at right angles to it.
-/// @param slope its derivatives @return the distance along the ray, 0 or less where it has not come there
+/// Where the ray passes the point: `offset` from it, along two directions perpendicular to the ray.
+/// @param slope its derivatives @return the distance along the ray; 0 or less if it does not get there
 static double pass_by(
     const rsv_double_ray end[3], rsv_double3 point, double offset[2], double slope[2][2])
 {
@@ -68,8 +68,8 @@ static bool newton_step(const double offset[2], const double slope[2][2], double
     return isfinite(step[0]) && isfinite(step[1]);
 }
 
-/// Whether a chain may lead to the point, by its derivatives alone: rays that are `extent` off the seed's pass within the norm
-/// of the slope times that.
+/// Whether a chain may lead to the point, from its derivatives alone: rays up to `extent` from the seed's pass within
+/// the norm of the slope times that.
 static bool may_reach(const rsv_chain_beam *beam, rsv_vec3 point)
 {
     if (!(beam->extent < INFINITY)) return true;
@@ -122,7 +122,8 @@ static bool is_inside(const aim *a)
     return true;
 }
 
-/// Puts the triangles that a real ray meets, by the same kinds of events, in place of the chain's. False if it cannot go so.
+/// Puts the triangles that a real ray meets, by the same kinds of events, in place of the chain's. False if it cannot
+/// go so.
 static bool retrace(aim *a)
 {
     const rsv_transport_scene *scene = &a->c->scene;
@@ -148,7 +149,7 @@ static bool retrace(aim *a)
     return other;
 }
 
-// ---- what it carries ----------------------------------------------------------------------------
+// ---- transmitted light ---------------------------------------------------------------------------
 
 /// Whether a real path has come to where the chain's ray meets its surface.
 static bool is_at(const aim *a, const rsv_specular_path *path, uint32_t k)
@@ -180,7 +181,8 @@ static bool arrive(const aim *a, rsv_specular_path *path, bool transmit, rsv_rgb
     return true;
 }
 
-/// Share of the light that gets to the point, less what passes blended surfaces alone: shadow rays find that.
+/// Fraction of the light that reaches the point, without light that only passes blended surfaces, which shadow rays
+/// find.
 static rsv_rgb passed(const aim *a)
 {
     const rsv_transport_scene *scene = &a->c->scene;
@@ -225,7 +227,7 @@ static rsv_rgb in_channel(rsv_rgb light, rsv_channel channel)
     return rgb_scale(rgb_mul(light, rsv_channel_weight(channel)), 1.0f / 3);
 }
 
-/// Finds the ray by the point, of this chain or of one beside it. @param way out
+/// Finds the ray through the point, of this chain or a neighbouring one. @param way out
 static bool find(aim *a, route *way)
 {
     for (int k = 0; k < RETRACES; k++) {
@@ -272,7 +274,7 @@ typedef struct routes {
     size_t count;
 } routes;
 
-/// Tries a chain, and adds what it brings unless it was found before.
+/// Tries a chain, and adds its light unless it was found before.
 static void connect_chain(const rsv_chain_list *list, size_t index, aim *a, routes *all)
 {
     route *taken = &all->taken[all->count];

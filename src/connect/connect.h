@@ -1,10 +1,10 @@
-/// Specular connections: the light of punctual sources that mirrors, panes, prisms and lenses send to a given place. Neither
-/// shadow rays nor random paths find it.
+/// Specular connections: light of punctual sources that mirrors, panes, prisms and lenses send to a given point.
+/// Neither shadow rays nor random paths find it.
 ///
-/// Rays of each light towards smooth surfaces list the chains of specular events that there are. For a place, Newton's method
-/// solves each chain for the ray that comes by it (Mitchell and Hanrahan 1992). Irradiance is the intensity times what the
-/// surfaces leave of it times the solid angle of the ray per area at the place. Planar surfaces are exact; of curved ones, so
-/// are facets and interpolated normals, but not normal maps.
+/// Rays from each light towards smooth surfaces find all chains of specular events. For a point, Newton's method finds
+/// the ray of each chain that passes through it (Mitchell and Hanrahan 1992). Irradiance is intensity times throughput
+/// times the solid angle of the ray per area at the point. Planar surfaces are exact. Curved surfaces are exact for
+/// facets and interpolated normals, but not for normal maps.
 #ifndef RSV_CONNECT_H
 #define RSV_CONNECT_H
 
@@ -17,7 +17,7 @@ typedef struct rsv_connections rsv_connections;
 typedef struct rsv_connection {
     rsv_vec3 towards;   ///< unit, where it comes from
     rsv_rgb irradiance; ///< on a plane that faces it, W/m2
-    bool straight;      ///< nothing has turned it: it has passed thin sheets alone
+    bool straight;      ///< it was not deflected: it only passed thin sheets
 } rsv_connection;
 
 #define RSV_MOST_CONNECTIONS 256 ///< of one place
@@ -32,10 +32,10 @@ void rsv_connections_destroy(rsv_connections *connections);
 size_t rsv_connect(
     const rsv_connections *connections, rsv_vec3 point, rsv_connection found[RSV_MOST_CONNECTIONS]);
 
-/// How many chains there are: what rsv_connect costs.
+/// Number of chains, which determines the cost of rsv_connect.
 size_t rsv_connections_chain_count(const rsv_connections *connections);
 
-/// Their irradiance on the side that `normal` (unit) faces. NULL gives 0. @param turned leaves out what is straight
+/// Their irradiance on the side that `normal` (unit) faces. NULL gives 0. @param turned omit straight connections
 rsv_rgb rsv_connected_irradiance(
     const rsv_connections *connections, rsv_vec3 point, rsv_vec3 normal, bool turned);
 

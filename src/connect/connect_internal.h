@@ -1,4 +1,4 @@
-/// Chains of specular events between a light and wherever they lead, in double precision.
+/// Chains of specular events that start at a light, in double precision.
 #ifndef RSV_CONNECT_INTERNAL_H
 #define RSV_CONNECT_INTERNAL_H
 
@@ -32,7 +32,7 @@ typedef struct rsv_double_ray {
     rsv_double3 origin, direction; ///< unit
 } rsv_double_ray;
 
-/// Rays of a source beside a given one: of a point by direction, of a distant light by origin.
+/// Rays of a source around a given one: for a point light by direction, for a directional light by origin.
 typedef struct rsv_chain_seed {
     rsv_double_ray ray;
     bool distant;
@@ -45,10 +45,11 @@ typedef struct rsv_chain {
     rsv_chain_seed seed;
 } rsv_chain;
 
-/// How the seed's ray leaves a chain, and its derivatives by u and v: what tells whether others come near a place.
+/// Where the seed's ray leaves a chain, with its derivatives by u and v, which tell whether neighbouring rays approach
+/// a point.
 typedef struct rsv_chain_beam {
     rsv_vec3 origin, direction, origin_u, origin_v, direction_u, direction_v;
-    float extent; ///< by which u and v vary; INFINITY = too much to tell
+    float extent; ///< range of u and v; INFINITY = unknown
 } rsv_chain_beam;
 
 /// Chains that were found from a source.
@@ -78,7 +79,7 @@ typedef struct rsv_chain_hit {
 
 uint8_t rsv_chain_kind_of(const rsv_transport_scene *scene, uint32_t triangle, bool transmit);
 
-/// The ray at u, v beside the seed's.
+/// The ray at u, v from the seed.
 rsv_double_ray rsv_chain_start(const rsv_chain_seed *seed, double u, double v);
 
 /// Follows a ray by the planes of the events. @param hit [count] out @return whether it gets to the end
@@ -92,7 +93,8 @@ bool rsv_chain_differentiate(const rsv_connections *c, const rsv_chain *chain,
 /// Lists the chains of all sources.
 rsv_status rsv_chains_find(rsv_connections *c);
 
-/// Reach of the first triangle beside the seed.
+/// Extent of the first triangle around the seed.
+
 double rsv_chain_extent(const rsv_connections *c, const rsv_chain_seed *seed, uint32_t triangle);
 
 /// A ray as it leaves a source. @param path out, at the first surface @return whether it meets one

@@ -1,4 +1,5 @@
-/// Drawing from a discrete distribution in constant time (Walker 1977, built as Vose 1991); drawing is for device code, too.
+/// Drawing from a discrete distribution in constant time (Walker 1977, built as Vose 1991); drawing is for device code,
+/// too.
 #ifndef RSV_ALIAS_TABLE_H
 #define RSV_ALIAS_TABLE_H
 
@@ -10,7 +11,7 @@ typedef struct rsv_alias_entry {
     uint32_t other; ///< where to go else
 } rsv_alias_entry;
 
-/// @param weight [count], not negative; all alike if their sum is 0
+/// @param weight [count], not negative; entries are equally likely if the sum is 0
 /// @param table [count] out
 /// @return RSV_OK or RSV_ERROR_MEMORY
 rsv_status rsv_alias_table_fill(

@@ -27,7 +27,7 @@ struct rsv_context {
     bool has_deadline;
     double deadline;          ///< as rsv_seconds counts
     rsv_status team_status;   ///< the failure of another process
-    rsv_status device_status; ///< why the device did not do what it was asked for
+    rsv_status device_status; ///< why the device failed
     bool device_lost;
     char part[PART_BYTES]; ///< "pilot 2: ", or nothing
     char device_message[RSV_DEVICE_MESSAGE_BYTES];
@@ -36,10 +36,10 @@ struct rsv_context {
 static _Thread_local char last_error[1024] = "no error";
 static _Thread_local unsigned error_count;
 
-/// Asks for huge pages inside large arrays: touching them for the first time costs a few faults, not thousands. Where the C
-/// library puts an array into its heap (below 32 MB at most) and not into a mapping of its own, the wish outlives it: what
-/// lies there next has huge pages as well, whose rests are used by its neighbours. Taking it back would cost two calls for
-/// every array and cut the heap into more ranges.
+/// Requests huge pages for large arrays, so that touching them for the first time causes a few page faults instead of
+/// thousands. If the C library puts an array into its heap (below 32 MB) instead of a mapping, the request outlives the
+/// array: later allocations there get huge pages too, and neighbours use the rest of these. Revoking the request would
+/// cost two system calls per array and split the heap into more ranges.
 static void ask_for_huge_pages(void *memory, size_t bytes)
 {
 #if defined(MADV_HUGEPAGE)
@@ -221,7 +221,7 @@ rsv_team_place rsv_team_place_of(const rsv_context *context)
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
 {
     rsv_team *team = rsv_team_of(context);
-    if (!team) return status; // a process alone may go on after a failure
+    if (!team) return status; // a single process may continue after a failure
     if (context->team_status != RSV_OK) return context->team_status;
     status = rsv_team_agree(team, status, NULL);
     if (status == RSV_OK) return status;
@@ -232,7 +232,7 @@ rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
 
 void rsv_team_alarm(rsv_context *context)
 {
-    if (rsv_team_of(context)) rsv_context_cancel(context); // one alone may go on after a failure
+    if (rsv_team_of(context)) rsv_context_cancel(context); // a single process may continue after a failure
 }
 
 rsv_device *rsv_context_device(const rsv_context *context)

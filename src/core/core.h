@@ -26,8 +26,8 @@ static inline rsv_status rsv_failed(rsv_status status, bool noted)
     return status;
 }
 
-/// Sets the calling thread's error message to what follows, as printf() has it; its value is `status`. A function elsewhere
-/// would hide from compilers and analysers that a failure is no RSV_OK.
+/// Sets the calling thread's error message (printf format). The value of the macro is `status`. A function defined
+/// elsewhere would hide from compilers and analysers that the status of a failure is not RSV_OK.
 #define rsv_fail(status, ...) rsv_failed(status, rsv_note_error(__VA_ARGS__))
 
 void rsv_log(const rsv_context *context, rsv_log_level level, const char *format, ...)
@@ -36,7 +36,8 @@ void rsv_log(const rsv_context *context, rsv_log_level level, const char *format
 /// Zeroed array of `count` elements of `size` bytes, aligned to 64; never NULL for count 0. Overflow
 /// and exhaustion set the error message and return NULL. Thread-safe.
 void *rsv_alloc(rsv_context *context, size_t count, size_t size);
-/// The same without zeros: what is never written takes no memory, so that a generous bound costs nothing.
+/// Like rsv_alloc, but not zeroed. Pages that are never written take no memory, so generous upper bounds cost
+/// nothing.
 void *rsv_reserve(rsv_context *context, size_t count, size_t size);
 void rsv_free(rsv_context *context, void *memory);
 
@@ -45,7 +46,7 @@ void rsv_free(rsv_context *context, void *memory);
 rsv_status rsv_grow(
     rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size);
 
-/// Bytes of memory that this machine, or the container that the program runs in, has; INFINITY if nobody says.
+/// Memory of the machine or container, bytes; INFINITY if unknown.
 double rsv_machine_memory(void);
 
 /// A copy of `text` (NULL counts as ""); NULL on exhaustion.
@@ -57,13 +58,14 @@ unsigned rsv_error_count(void);
 /// Workers that share a loop (parallel.h).
 int rsv_threads(const rsv_context *context);
 
-/// What the context was made from.
+/// The descriptor that the context was created with.
 const rsv_context_desc *rsv_context_settings(const rsv_context *context);
 
-/// True once somebody asked to stop, or past a deadline. Cheap: parallel loops poll it.
+/// True after a request to stop, or after a deadline. Cheap enough to poll in parallel loops.
 bool rsv_cancelled(const rsv_context *context);
 
-/// Work is cancelled from `seconds` on, as rsv_seconds counts them, until another deadline is set; INFINITY = there is none.
+/// Work is cancelled from `seconds` on, as rsv_seconds counts them, until another deadline is set; INFINITY = there is
+/// none.
 void rsv_set_deadline(rsv_context *context, double seconds);
 
 /// Whether it was not a deadline that cancelled.

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/// No descriptor is larger: a size beyond is memory that nobody initialised.
+/// No descriptor is larger. A larger size is uninitialised memory.
 enum { MOST_BYTES = 4096 };
 
 static size_t size_of(const void *desc)

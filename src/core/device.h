@@ -1,5 +1,5 @@
-/// What a plug-in for a device offers the library. Rooms that know work for a device declare a table of it and use the
-/// one that rsv_device_table points to.
+/// Interface between the library and device plug-ins. Rooms that can use a device declare a table of functions, and get
+/// the plug-in's implementation through rsv_device_table.
 #ifndef RSV_CORE_DEVICE_H
 #define RSV_CORE_DEVICE_H
 
@@ -7,7 +7,7 @@
 
 #define RSV_DEVICE_MESSAGE_BYTES 512
 
-/// The plug-in's one symbol, and what it must say of itself.
+/// The only exported symbol of a plug-in, and the interface version that it must report.
 #define RSV_DEVICE_OPEN "rsv_gpu_open"
 typedef rsv_status (*rsv_device_opener)(
     const char *version, const rsv_device_desc *desc, rsv_device **device, char *message);
@@ -33,10 +33,10 @@ struct rsv_device {
 /// The context's device; NULL = none, or it has failed.
 rsv_device *rsv_context_device(const rsv_context *context);
 
-/// Notes that the device cannot do something: with a warning where it is optional, else as the failure that each
-/// rsv_progress() returns from now on. Callers that cannot return it let the processor do the work, so that no result is
-/// ever wrong. A device that failed in the middle of its work (RSV_ERROR_DEVICE) is not used again.
-/// @return RSV_OK where it is optional, else `status`
+/// Records that the device cannot do something. If the device is optional, this is a warning. Otherwise every
+/// rsv_progress() returns the failure from now on. Callers that cannot return a status fall back to the CPU, so that no
+/// result is ever wrong. After RSV_ERROR_DEVICE, the device is not used again.
+/// @return RSV_OK if the device is optional, otherwise `status`
 rsv_status rsv_device_failed(rsv_context *context, rsv_status status, const char *message);
 
 #endif

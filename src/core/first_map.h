@@ -1,4 +1,5 @@
-/// A hash table that all threads fill at once: which of many places that carry a key is the first, whoever comes first.
+/// A hash table that all threads fill in parallel. It stores the smallest index for each key, whatever the order of
+/// insertion.
 #ifndef RSV_FIRST_MAP_H
 #define RSV_FIRST_MAP_H
 

@@ -1,4 +1,4 @@
-/// What the processor can do beyond what every build needs.
+/// Optional instructions of the CPU.
 #ifndef RSV_INSTRUCTIONS_H
 #define RSV_INSTRUCTIONS_H
 

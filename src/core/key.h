@@ -1,4 +1,4 @@
-/// 64-bit keys of things, made of what they consist of: the same thing has the same key in every version of a scene.
+/// 64-bit hash keys of things, computed from their contents, so that they are the same in every version of a scene.
 #ifndef RSV_KEY_H
 #define RSV_KEY_H
 
@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/// The key of what `key` stands for, followed by a word (the finalizer of SplitMix64, Steele et al. 2014).
+/// Extends a key by a word (the finalizer of SplitMix64, Steele et al. 2014).
 RSV_INLINE uint64_t rsv_key_add(uint64_t key, uint64_t word)
 {
     key = (key + 0x9e3779b97f4a7c15u) ^ word;

@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/// What a container allows its programs; INFINITY = no limit, or none that is known.
+/// Memory limit of the container; INFINITY = none, or unknown.
 static double container_memory(void)
 {
     double bytes;
@@ -16,7 +16,7 @@ static double container_memory(void)
     return bytes;
 }
 
-/// What a limit of the shell (ulimit -v) allows this process.
+/// Memory limit of the process (ulimit -v).
 static double limited_memory(void)
 {
     struct rlimit limit;

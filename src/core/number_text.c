@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/// What a thread does in the C locale, between begin_plain and end_plain.
+/// State of the calling thread between begin_plain and end_plain, while it uses the C locale.
 typedef struct plain_locale {
     locale_t plain, before;
 } plain_locale;

@@ -6,7 +6,7 @@
 
 #define RSV_NUMBER_BYTES 32 ///< enough for 17 digits, sign and exponent
 
-/// @param digits significant ones, up to 17, which tell a double from all others
+/// @param digits significant digits, up to 17, which identify a double exactly
 void rsv_number_text(char text[RSV_NUMBER_BYTES], int digits, double value);
 
 /// As strtod in the C locale. @param end out: behind the number; `text` if there is none; may be NULL

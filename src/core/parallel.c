@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-/// What the workers of one loop share.
+/// Data shared by the workers of a loop.
 typedef struct team_job {
     void (*body)(void *job, int worker);
     void *job;
@@ -12,7 +12,7 @@ typedef struct team_job {
     char message[1024]; ///< its error
 } team_job;
 
-static _Thread_local bool inside; // the body of a loop: loops in it run on this thread alone
+static _Thread_local bool inside; // in the body of a loop: nested loops run on this thread
 
 static void run_worker(team_job *team, int worker)
 {
@@ -25,8 +25,8 @@ static void run_worker(team_job *team, int worker)
         snprintf(team->message, sizeof team->message, "%s", rsv_last_error());
 }
 
-/// Workers are numbered as they start, not by their tasks: if these run one after the other, backwards, it is the first to
-/// run that does the work, and so reports progress as worker 0.
+/// Workers are numbered as they start, not by their tasks: if these run one after the other, backwards, it is the first
+/// to run that does the work, and so reports progress as worker 0.
 static void run_task(void *data, size_t index)
 {
     team_job *team = data;

@@ -1,8 +1,9 @@
-/// Loops over all threads of a context: OpenMP's own, or those of an embedding program (rsv_context_desc.parallel). Nothing
-/// else in the library starts threads for loops, so that every loop runs wherever the embedding program wants it to.
+/// Loops over all threads of a context: OpenMP's, or those of an embedding program (rsv_context_desc.parallel). No
+/// other code of the library starts threads for loops, so embedding programs control where all of them run.
 ///
-/// A loop's body is a function of a span of indices. Spans are handed out in ascending order to whoever is free; results must
-/// not depend on who worked on which. A loop inside the body of another runs on the calling thread alone.
+/// The body of a loop is a function of a span of indices. Spans are handed out in ascending order to free workers.
+/// Results must not depend on which worker gets which span. A loop inside the body of another loop runs on the calling
+/// thread.
 #ifndef RSV_CORE_PARALLEL_H
 #define RSV_CORE_PARALLEL_H
 
@@ -13,15 +14,16 @@
 /// A piece of a loop.
 typedef struct rsv_span {
     size_t begin, end; ///< indices begin <= i < end
-    int worker; ///< who works on it: 0 <= worker < rsv_threads(); no two spans at a time have the same
+    int worker; ///< 0 <= worker < rsv_threads(); spans processed at the same time have different workers
 } rsv_span;
 
-/// Calls `body(job, span)` for spans of at most `grain` indices that cover 0 <= i < count once; returns when all are done.
+/// Calls `body(job, span)` for spans of at most `grain` indices that cover 0 <= i < count once; returns when all are
+/// done.
 /// @param grain 0 = even shares, one per worker: for loops whose indices cost the same
 void rsv_parallel_for(const rsv_context *context, size_t count, size_t grain,
     void (*body)(void *job, rsv_span span), void *job);
 
-/// A loop that workers share by hand, for those that set something up before their first span and tear it down after the last:
+/// A loop with per-worker setup before the first span and cleanup after the last:
 ///
 ///     static void work(void *user, int worker) // by rsv_parallel_workers()
 ///     {
@@ -41,8 +43,8 @@ rsv_share rsv_share_of(size_t count, size_t grain);
 /// The next span of the loop. False = none is left.
 bool rsv_share_take(rsv_share *share, int worker, rsv_span *span);
 
-/// Calls `body(job, worker)` once for each worker, at most `most` of them, and returns when all have returned. Workers may run
-/// one after the other: none may wait for another.
+/// Calls `body(job, worker)` once for each worker, at most `most` of them, and returns when all have returned. Workers
+/// may run one after the other: none may wait for another.
 void rsv_parallel_workers(
     const rsv_context *context, size_t most, void (*body)(void *job, int worker), void *job);
 

@@ -1,4 +1,5 @@
-/// Objects that several others hold: a count of the holders, 1 on creation, and the last one to let go frees the object.
+/// Objects that several others hold: a count of the holders, 1 on creation, and the last one to let go frees the
+/// object.
 #ifndef RSV_REFERENCES_H
 #define RSV_REFERENCES_H
 

@@ -1,7 +1,7 @@
 /// Random and quasi-random numbers and the warps from the unit square; plain C, also for device code.
 ///
-/// Nothing here has state of its own: every stream is a function of an item's index, so that results
-/// do not depend on the number of threads.
+/// Nothing here has state. Every stream is a function of an item's index, so results do not depend on the number of
+/// threads.
 #ifndef RSV_SAMPLING_H
 #define RSV_SAMPLING_H
 
@@ -74,9 +74,9 @@ RSV_INLINE uint32_t rsv_owen_scramble(uint32_t x, uint32_t seed)
     return rsv_reverse_bits(x);
 }
 
-/// Second dimension of the Sobol sequence; the first is rsv_reverse_bits(index). Together they are a
-/// (0, 2)-sequence. Its matrix is Pascal's triangle modulo 2, where entry (p, j) is 1 if the bits of p are among those of
-/// j (Lucas): bit p of the result, from the top, sums the bits j of the index over these, one bit of p at a time.
+/// Second dimension of the Sobol sequence; the first is rsv_reverse_bits(index). Together they are a (0, 2)-sequence.
+/// Its matrix is Pascal's triangle modulo 2, where entry (p, j) is 1 if the bits of p are among those of j (Lucas): bit
+/// p of the result, from the top, sums the bits j of the index over these, one bit of p at a time.
 RSV_INLINE uint32_t rsv_sobol_second(uint32_t index)
 {
     uint32_t x = rsv_reverse_bits(index);
@@ -96,7 +96,7 @@ RSV_INLINE void rsv_sobol_2d(uint32_t index, uint32_t seed, float *x, float *y)
     *y = rsv_unit_float(rsv_owen_scramble(rsv_sobol_second(shuffled), rsv_hash2(seed, 1)));
 }
 
-/// The first coordinate of that alone.
+/// Only the first coordinate of that point.
 RSV_INLINE float rsv_sobol_1d(uint32_t index, uint32_t seed)
 {
     uint32_t shuffled = rsv_owen_scramble(index, rsv_hash2(seed, 2));
@@ -130,7 +130,8 @@ RSV_INLINE size_t rsv_interval_at(const double *cumulative, size_t count, double
     return low;
 }
 
-/// Entry of a cumulative table [count] that ends at 1 which holds *x; *x becomes its place within that entry, in [0, 1).
+/// Entry of a cumulative table [count] that ends at 1 which holds *x; *x becomes its place within that entry, in [0,
+/// 1).
 RSV_INLINE uint32_t rsv_invert_cdf(const float *cdf, uint32_t count, float *x)
 {
     uint32_t low = 0, high = count - 1;

@@ -51,12 +51,13 @@ void rsv_team_leave(rsv_team *team)
     if (team) team->table->leave(team);
 }
 
-/// One number tells two things: failures in the upper bits, and below them how long it took to get here.
+/// One number holds two values: the failure in the upper bits, and the time taken to get here below them.
 #define TIME_BITS 40 // of microseconds: twelve days
 #define RANK_BITS 18
 #define STATUS_BITS 4
 
-/// The first process that fails has the largest key. Those that were only asked to stop come last: why is for others to say.
+/// The first process that fails has the largest key. Processes that were only asked to stop come last: they do not know
+/// why.
 static int64_t failure_key(const rsv_team *team, rsv_status status)
 {
     int64_t rank_key = (int64_t)(team->size - team->rank) << STATUS_BITS;
@@ -79,7 +80,7 @@ static int64_t meet(rsv_team *team, int64_t key)
 rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
 {
     if (!team || team->size == 1) return status;
-    // whatever goes wrong after a failure is no news
+    // failures after the first are not reported
     if (team->parted && team->failure != RSV_OK && status != RSV_OK)
         return rsv_fail(team->failure, "%s", team->reason);
     if (team->parted) return status;

@@ -1,10 +1,10 @@
-/// Sharing among the processes of a context's team. Alone, all of this does nothing and costs nothing.
+/// Dividing work among the processes of a context's team. In a single process, all of this does nothing.
 ///
-/// Two ways to divide work: items in blocks that take turns (rsv_team_owns, rsv_team_merge), for loops whose items cost
-/// about the same; and parts of a curve (operator/division.h), for the rows of G.
+/// There are two ways to divide work: blocks of items, assigned round-robin (rsv_team_owns, rsv_team_merge), for loops
+/// whose items cost about the same; and segments of a curve (operator/division.h), for the rows of G.
 ///
-/// A failure of any process is noted in the context of all: rsv_cancelled() is true from then on, and rsv_progress()
-/// returns what failed. So loops between collective calls need not know of teams.
+/// If one process fails, the contexts of all processes are notified: rsv_cancelled() becomes true, and rsv_progress()
+/// returns the failure. Loops between collective calls therefore need no code for teams.
 #ifndef RSV_CORE_TEAM_H
 #define RSV_CORE_TEAM_H
 
@@ -13,7 +13,7 @@
 
 #define RSV_TEAM_BLOCK 64 ///< nodes that stay together
 
-/// The plug-in's one symbol, and what it must say of itself.
+/// The only exported symbol of the plug-in, and the interface version that it must report.
 #define RSV_TEAM_OPEN "rsv_mpi_join"
 typedef rsv_status (*rsv_team_open)(const char *version, rsv_team **team, char *message);
 
@@ -22,13 +22,13 @@ typedef struct rsv_team_place {
     uint32_t rank, size;
 } rsv_team_place;
 
-/// The context's team, be it of one process; NULL = it has none.
+/// The context's team, possibly of a single process; NULL = none.
 rsv_team *rsv_context_team(const rsv_context *context);
-/// A team of several processes; NULL = alone.
+/// The team, if it has several processes; otherwise NULL.
 rsv_team *rsv_team_of(const rsv_context *context);
 rsv_team_place rsv_team_place_of(const rsv_context *context);
 
-/// Whether it is this process's turn to compute item `index`, one of blocks of so many.
+/// Whether this process computes item `index`. @param block items per block
 static inline bool rsv_team_owns(rsv_team_place place, size_t index, size_t block)
 {
     return index / block % place.size == place.rank;
@@ -51,21 +51,22 @@ void rsv_team_copy(rsv_context *context, uint32_t from, void *data, size_t bytes
 /// One count, over all processes.
 uint64_t rsv_team_total(rsv_context *context, uint64_t value);
 
-/// The largest value of any process, to a millionth: what time and memory are judged by, so that all decide alike.
+/// The largest value of any process, to a millionth. Decisions based on time and memory use it, so that all processes
+/// agree.
 double rsv_team_largest(rsv_context *context, double value);
 
 /// Processor seconds along the critical path so far; only differences mean something. Waiting for others is not work.
 double rsv_team_path(rsv_context *context);
 
-/// What failed, in a loop between meetings, shall not wait for the next one: all are asked to stop, here at once and in
-/// the others when they report progress. Any thread may call it.
+/// Notifies all processes at once of a failure inside a loop, instead of at the next synchronisation. This process
+/// stops immediately, the others at their next progress report. Any thread may call it.
 void rsv_team_alarm(rsv_context *context);
 
 /// The failure of one is the failure of all.
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
 
-/// Fails unless all processes have the same text. @param what "scene", for the message @param text the first 24 characters
-/// stand in the message
+/// Fails unless all processes have the same text. @param what for the message, such as "scene" @param text its first 24
+/// characters appear in the message
 rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text);
 
 #endif

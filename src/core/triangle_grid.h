@@ -1,4 +1,5 @@
-/// The regular grid on a triangle: `side` cells along each edge, numbered row by row, upright and flipped cells in turns.
+/// The regular grid on a triangle: `side` cells along each edge, numbered row by row, upright and flipped cells in
+/// turns.
 #ifndef RSV_TRIANGLE_GRID_H
 #define RSV_TRIANGLE_GRID_H
 

@@ -21,8 +21,8 @@
 #define RSV_LARGE RSV_INLINE
 #endif
 
-/// Functions that the library compiles once, in a file of its own, and device code wherever it calls them: their bodies
-/// are in headers `*_body.h`, which that file includes or, where RSV_DEVICE_CODE is defined, the header itself.
+/// Functions that the library compiles once, and device code inline. Their bodies are in headers `*_body.h`, which a
+/// source file of the library includes; if RSV_DEVICE_CODE is defined, the header itself includes them.
 #ifndef RSV_SHARED
 #if defined(RSV_DEVICE_CODE) && defined(__CUDACC__)
 #define RSV_SHARED                                                                                 \

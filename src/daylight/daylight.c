@@ -46,8 +46,8 @@ static rsv_status reserve(rsv_daylight *d, const rsv_probe *sensor)
     return RSV_OK;
 }
 
-/// Sums what came straight and otherwise; adds the mean of the reflected part.
-/// @param reflected [patches.count] of that part alone
+/// Adds up direct and other light, with the mean of the reflected part.
+/// @param reflected [patches.count] of that part only
 static void complete_sensor(const rsv_daylight *d, rsv_patch_share *all, rsv_patch_share *bent,
     const rsv_patch_share *reflected)
 {
@@ -62,7 +62,7 @@ static void complete_sensor(const rsv_daylight *d, rsv_patch_share *all, rsv_pat
     }
 }
 
-/// What is kept from block to block of sensors.
+/// State kept from one block of sensors to the next.
 typedef struct coefficient_job {
     rsv_daylight *daylight;
     const rsv_stored_noise *noise;

@@ -1,10 +1,10 @@
-/// Daylight coefficients: what sensors get from each patch of the sky.
+/// Daylight coefficients: the contribution of each patch of the sky to each sensor.
 ///
-/// A sensor's reading is linear in the sky. Its own rays find what comes straight, and what comes by way of mirrors and bending
-/// panes; for what surfaces reflect, the adjoint z = (I - (G K)*)^-1 w of the weights w of its rays tells what light at every
-/// element is worth, and rays of the elements find how much of each patch arrives there.
+/// A sensor's reading is linear in the sky. Its own rays find light that arrives straight, or through mirrors and
+/// refracting panes. For light from surfaces, the adjoint z = (I - (G K)*)^-1 w of the weights w of its rays gives the
+/// effect of light at each element, and rays from the elements find how much light of each patch arrives there.
 ///
-/// Everything is found in RSV_DAYLIGHT_GROUPS independent randomisations side by side, whose spread is the standard error.
+/// All of this uses RSV_DAYLIGHT_GROUPS independent randomisations, whose spread is the standard error.
 #ifndef RSV_DAYLIGHT_H
 #define RSV_DAYLIGHT_H
 
@@ -30,7 +30,7 @@ struct rsv_daylight {
     size_t sensor_count;
     rsv_probe *sensor;     ///< [sensor_count]
     rsv_patch_share *all;  ///< [sensor_count][patches.count]
-    rsv_patch_share *bent; ///< the same but for what comes straight, through panes at most
+    rsv_patch_share *bent; ///< the same, without light that arrives straight (also through panes)
     double *stored_error; ///< [sensor_count] of the reflected part, relative, that all groups share
     uint8_t *buried;      ///< [sensor_count]
 };

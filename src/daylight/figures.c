@@ -102,7 +102,7 @@ static float select_largest(float *value, size_t count, size_t rank)
     return value[rank];
 }
 
-/// What `share` of the values reach.
+/// The value that a fraction `share` of the values reach.
 static double reached_by(float *value, size_t count, double share)
 {
     if (count == 0) return 0;

@@ -4,7 +4,7 @@
 
 #include "year.h"
 
-/// A figure is found without each group in turn, from all of them, and with what all share off by its standard error.
+/// Variants of a figure: without each group in turn, with all groups, and with the shared error added.
 #define RSV_VARIANT_ALL RSV_DAYLIGHT_GROUPS
 #define RSV_VARIANT_SHIFTED (RSV_DAYLIGHT_GROUPS + 1)
 #define RSV_VARIANTS (RSV_DAYLIGHT_GROUPS + 2)

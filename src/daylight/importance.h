@@ -1,4 +1,4 @@
-/// What light at elements is worth to sensors, and so what each patch of the sky is worth by way of them.
+/// Effect of light at elements on sensors, and so of each patch of the sky through them.
 #ifndef RSV_DAYLIGHT_IMPORTANCE_H
 #define RSV_DAYLIGHT_IMPORTANCE_H
 
@@ -23,7 +23,8 @@ void rsv_importance_destroy(const rsv_daylight *daylight, rsv_importance *import
 rsv_status rsv_importance_solve(
     const rsv_daylight *daylight, rsv_transport_map *map, rsv_importance *importance);
 
-/// Adds what reaches a sensor by way of surfaces. @param field which of the sensors @param share [patches.count] groups' columns
+/// Adds light that reaches a sensor from surfaces. @param field index of the sensor @param share [patches.count]
+/// columns of groups
 void rsv_importance_add(const rsv_importance *importance, const rsv_node_escapes *escapes,
     size_t field, const rsv_sensor_rays *rays, rsv_patch_share *share);
 

@@ -62,7 +62,7 @@ static void add(const rsv_node_job *job, const node_receiver *r, rsv_vec3 direct
     rsv_block_escapes_add(d->context, found, &escape);
 }
 
-/// What a ray that met something finds behind mirrors and panes.
+/// Follows a ray after a hit, through mirrors and panes.
 static void follow(const rsv_node_job *job, const node_receiver *r, const rsv_ray_packet *p, int k,
     rsv_rgb entered, rsv_block_escapes *found)
 {

@@ -7,7 +7,7 @@
 
 #define RSV_NODE_PACKET RSV_SUPPORT_POINTS ///< rays of a packet
 
-/// What the rays of a block of nodes found.
+/// Results of the rays of a block of nodes.
 typedef struct rsv_block_escapes {
     rsv_node_escape *escape;
     size_t count, capacity;

@@ -6,8 +6,8 @@
 
 #include <stdlib.h>
 
-/// Of the usual distance to the nearest sensor: grids are linked along their diagonals, and not from one side of a doorway to
-/// the other, for they keep 0.3 m away from walls.
+/// Of the usual distance to the nearest sensor: grids are linked along their diagonals, and not from one side of a
+/// doorway to the other, for they keep 0.3 m away from walls.
 #define REACH 1.45f
 
 typedef struct room_job {

@@ -25,7 +25,7 @@ typedef struct run_job {
     _Atomic rsv_status result;
 } run_job;
 
-/// What one worker reads a sensor into.
+/// Readings of a sensor, one for each worker.
 typedef struct sensor_scratch {
     rsv_sensor_readings readings;
     rsv_seen_patches seen;
@@ -69,7 +69,7 @@ static void write_hours(const rsv_daylight *d, const rsv_year *year, size_t sens
             rsv_variant_reading(s->readings.reading[k], RSV_VARIANT_ALL, 0);
 }
 
-/// Replaces what hours with the shades down read.
+/// Replaces the readings of hours with the shades down.
 static void read_shaded(const run_job *job, size_t sensor, sensor_scratch *s)
 {
     const rsv_daylight *shaded = job->desc->shaded;

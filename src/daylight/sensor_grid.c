@@ -16,7 +16,7 @@ typedef struct grid_job {
     rsv_context *context;
     const rsv_scene_view *view;
     rsv_tracer *tracer;
-    double *area; ///< [LEVELS] of what faces up
+    double *area; ///< [LEVELS] of surfaces that face up
     float height, spacing;
     rsv_probe *sensor;
     size_t count, capacity;
@@ -94,7 +94,8 @@ static float turn_of(rsv_vec3 a, rsv_vec3 b, float x, float z)
     return (b.x - a.x) * (z - a.z) - (b.z - a.z) * (x - a.x);
 }
 
-/// Grid points of the whole scene that lie over one triangle; those on an edge belong to whichever the ray downwards meets.
+/// Grid points of the whole scene that lie over one triangle; those on an edge belong to whichever the ray downwards
+/// meets.
 static rsv_status fill_triangle(grid_job *job, uint32_t triangle)
 {
     const rsv_scene_view *v = job->view;

@@ -5,13 +5,14 @@
 #include "../render/stored_noise.h"
 #include "daylight.h"
 
-/// What the rays of one sensor found.
+/// Results of the rays of one sensor.
 typedef struct rsv_sensor_rays {
     rsv_patch_share *straight, *bent; ///< [patches.count] the groups' columns; zero before
     rsv_rgb *weight;                  ///< [node_count] w before rsv_goal_enter; zero before
-    /// What surfaces send under the light that errors are judged by: of each group, over the mean of all; 1 where there is none
+    /// Light from surfaces under the sky that defines errors: of each group, divided by the mean of all; 1 if there is
+    /// none
     double reflected[RSV_DAYLIGHT_GROUPS];
-    double stored_error; ///< relative, of what surfaces send
+    double stored_error; ///< relative error of light from surfaces
     bool buried;
 } rsv_sensor_rays;
 
@@ -26,7 +27,8 @@ typedef struct rsv_sensor_place {
 
 rsv_sensor_place rsv_sensor_place_of(const rsv_daylight *daylight, size_t sensor);
 
-/// Share of the sun's light that reaches a sensor straight, by luminance: 0 where anything is in its way that is not clear.
+/// Share of the sun's light that reaches a sensor straight, by luminance: 0 where anything is in its way that is not
+/// clear.
 /// @param direction unit, to the sun, in the scene
 double rsv_sun_passed(
     const rsv_daylight *daylight, const rsv_sensor_place *place, rsv_vec3 direction);

@@ -30,7 +30,8 @@ static void add_hours(
     }
 }
 
-/// @param sum by patch, divided by `hours`; a sky that is dark all year shines evenly: there is geometry to judge all the same
+/// @param sum by patch, divided by `hours`; a sky that is dark all year shines evenly: there is geometry to judge all
+/// the same
 static void paint(const rsv_daylight *frame, const double *sum, double hours, rsv_rgb *pixel)
 {
     double total = 0;

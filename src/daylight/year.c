@@ -199,7 +199,7 @@ float rsv_year_sun_at(
     return (float)(hour->direct * rsv_sun_passed(d, place, hour->sun)) * cosine;
 }
 
-/// Adds the sun: what surfaces, mirrors and bending panes send of it, and what comes straight.
+/// Adds the sun: light from surfaces, mirrors and refracting panes, and direct light.
 static float add_sun(const rsv_daylight *d, const rsv_sensor_place *place, size_t sensor,
     const rsv_lit_hour *hour, float reading[COLUMNS])
 {

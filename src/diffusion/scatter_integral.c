@@ -16,8 +16,7 @@ typedef struct point_2d {
 
 static float cross_2d(point_2d a, point_2d b) { return a.x * b.y - a.y * b.x; }
 
-/// Integrals of p and of p times position over what is being integrated, per channel: the parts of each ray of a fan,
-/// which are added up at the end.
+/// Integrals of p and of p times position, per channel: parts of each ray of a fan, which are added up at the end.
 typedef struct moments {
     float mass[3][NODES], x[3][NODES], y[3][NODES];
 } moments;
@@ -56,7 +55,7 @@ static float arsinh(float x)
     return copysignf(rsv_log_above_one(y + sqrtf(y * y + 1)), x);
 }
 
-/// What a ray in the plane has at the foot: it counts from there on.
+/// Height of the point above the plane, and the integrals up to it, from which rays in the plane start.
 typedef struct foot_height {
     float h, wide[3], moment[3];
 } foot_height;

@@ -5,8 +5,8 @@
 
 #include "../subsurface/scatter_profile.h"
 
-/// weight[k] = int p(|x - y|) b_k(y) dA(y) over a triangle, b_k the barycentric weight of corner k. In polar
-/// coordinates about the foot of x on the triangle's plane the radial integrals have closed forms, which leaves one
+/// weight[k] = int p(|x - y|) b_k(y) dA(y) over a triangle, where b_k is the barycentric weight of corner k. In polar
+/// coordinates around the foot of x on the triangle's plane, radial integrals have closed forms, which leaves one
 /// dimension along each edge.
 /// @param corner of the triangle, relative to x
 void rsv_scatter_integrate(

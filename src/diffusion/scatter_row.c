@@ -33,7 +33,7 @@ void rsv_scatter_row_destroy(rsv_scatter_row *row)
 /// Cells nearer than this multiple of their radius are integrated exactly.
 #define EXACT 2.0f
 
-/// Everything that gathering for one place needs to know.
+/// Data for gathering at one point.
 typedef struct gathering {
     const rsv_scatter_sources *sources;
     const rsv_scatter_profile *profile;
@@ -55,7 +55,7 @@ static void add_entry(const gathering *g, uint32_t column, rsv_rgb weight)
     row->weight[column] = rgb_mad(row->weight[column], g->share, weight);
 }
 
-/// Hanging nodes hold what their parents hold, which get the entry: a fine mesh makes no longer rows.
+/// Entries of hanging nodes go to their parents, so that a fine mesh does not make longer rows.
 static void add_node(const gathering *g, uint32_t node, rsv_rgb weight)
 {
     uint32_t index = g->sources->elements->node_hanging[node];
@@ -69,8 +69,9 @@ static void add_node(const gathering *g, uint32_t node, rsv_rgb weight)
             add_node(g, hanging->parent[p], rgb_scale(weight, hanging->weight[p]));
 }
 
-/// Mean of f = exp(-a r) / r over a piece of surface, as a share of f at its centre: with f' = -f (a + 1/r) and
-/// f'' = f ((a + 1/r)^2 + 1/r^2). @param inverse 1/r @param facing squared cosine of the way to it @param spread a quarter of its own
+/// Mean of f = exp(-a r) / r over a piece of surface, as a share of f at its centre: with f' = -f (a + 1/r) and f'' = f
+/// ((a + 1/r)^2 + 1/r^2). @param inverse 1/r @param facing squared cosine of the way to it @param spread a quarter of
+/// its own
 static inline float mean_share(float a, float inverse, float facing, float spread)
 {
     float slope = a + inverse, bend = slope * slope + inverse * inverse;
@@ -213,9 +214,9 @@ static bool is_border(const rsv_elements *e, uint32_t node)
 /// How far into each of its cells a border node is looked at.
 #define INSET 0.15f
 
-/// Light at the very border is half the other side's, but only over the reach of the profile; the node stands for
-/// its cells. So it gathers a little inside each, for the light as it is interpolated there. What the elements
-/// do not resolve of it is taken to be as at the node, so that a vanishing profile gives the unit matrix.
+/// Light at the border itself is half that of the other side, but only within the reach of the profile, and the node
+/// represents its cells. So it gathers slightly inside each cell, for the light as interpolated there. Detail that
+/// elements do not resolve is assumed to be as at the node, so that a vanishing profile gives the identity.
 static void gather_inside(gathering *g, uint32_t support, float share)
 {
     const rsv_scatter_sources *s = g->sources;

@@ -1,14 +1,13 @@
-/// Where the light comes from that leaves a translucent body: the cells of its surface, in a tree, so that what is
-/// far counts cluster by cluster (after Jensen and Buhler 2002).
+/// The origins of light that leaves a translucent body: the cells of its surface in a tree, so that distant ones count
+/// as clusters (after Jensen and Buhler 2002).
 ///
-/// A *body* is the faces of one object, material and side. Light that enters one of its points y leaves at x with
-/// the share
+/// A *body* is the faces of one object, material and side. The fraction of the light entering at y that leaves at x is
 ///
 ///     k(x, y) = p(|x - y|) / max(1, N(x), N(y)),   N(x) = int p(|x - y|) dA(y) over the body
 ///
-/// per area: the normalised diffusion profile over the straight distance. On a large flat body N is 1. Thin parts
-/// and edges would collect more than there is; there N is above 1, and the divisor keeps both what a point receives
-/// and what it hands on at 1 or below, and k symmetric.
+/// per area: the normalised diffusion profile over the straight distance. On a large flat body, N is 1. At thin parts
+/// and edges, N is above 1, and these would receive more light than there is. The divisor keeps the light that a point
+/// receives and sends at most 1, and k symmetric.
 #ifndef RSV_SCATTER_SOURCES_H
 #define RSV_SCATTER_SOURCES_H
 

@@ -1,9 +1,9 @@
 /// The scattering operator of translucent materials on elements: K = diag(albedo) P.
 ///
-/// P maps the irradiance that enters to the *diffused* irradiance: what would have had to enter at a place for its
-/// exitance, had it left where it entered. Row sums are at most 1: diffusion moves light, albedo absorbs it. Rows
-/// take the irradiance to be linear between nodes and are exact integrals of the profile over it, so that a profile
-/// narrower than the elements gives the unit matrix.
+/// P maps the entering irradiance to the *diffused* irradiance, which would give the same exitance on a Lambert
+/// surface. Row sums are at most 1: diffusion moves light, albedo absorbs it. Rows assume that irradiance is linear
+/// between nodes, and are exact integrals of the profile over it, so a profile narrower than the elements gives the
+/// identity.
 #ifndef RSV_SUBSURFACE_H
 #define RSV_SUBSURFACE_H
 
@@ -36,14 +36,14 @@ size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
 /// Memory of its rows. @param subsurface NULL = 0
 size_t rsv_subsurface_bytes(const rsv_subsurface *subsurface);
 
-/// diffused = P irradiance on bodies, a copy elsewhere. Not to be called by two threads at a time.
-/// @param subsurface NULL = a copy everywhere @param irradiance [node_count], hanging nodes constrained
+/// diffused = P irradiance on bodies, a copy elsewhere. Not thread-safe.
+/// @param subsurface NULL = a copy everywhere @param irradiance [node_count], hanging nodes interpolated
 void rsv_subsurface_apply(rsv_subsurface *subsurface, const rsv_elements *elements,
     const rsv_rgb *irradiance, rsv_rgb *diffused);
 
-/// irradiance = P* diffused: how much the irradiance that enters matters where diffused irradiance has the weights
-/// `diffused`. Not to be called by two threads at a time.
-/// @param diffused is used up
+/// irradiance = P* diffused: the importance of entering irradiance, for diffused irradiance with the weights
+/// `diffused`. Not thread-safe.
+/// @param diffused is overwritten
 void rsv_subsurface_apply_transpose(rsv_subsurface *subsurface, const rsv_elements *elements,
     rsv_rgb *diffused, rsv_rgb *irradiance);
 

@@ -1,4 +1,4 @@
-/// Direct light on a device: what a plug-in gets, and what it offers.
+/// Direct light on a device: interface of the plug-in.
 #ifndef RSV_DEVICE_DIRECT_H
 #define RSV_DEVICE_DIRECT_H
 
@@ -6,7 +6,7 @@
 #include "../core/device.h"
 #include "direct_sample.h"
 
-/// What nodes have in common. All borrowed and copied to the device.
+/// Data common to all nodes. All of it is borrowed, and copied to the device.
 typedef struct rsv_device_direct_desc {
     const rsv_scene_view *scene;
     rsv_bvh_view bvh;
@@ -16,7 +16,7 @@ typedef struct rsv_device_direct_desc {
 
 typedef struct rsv_device_direct rsv_device_direct;
 
-/// Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and what should have come out undefined.
+/// Failures set `message` [RSV_DEVICE_MESSAGE_BYTES] and leave results undefined.
 typedef struct rsv_device_direct_table {
     rsv_status (*create)(rsv_device *device, const rsv_device_direct_desc *desc,
         rsv_device_direct **direct, char *message);

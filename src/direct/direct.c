@@ -50,7 +50,7 @@ static rsv_direct_estimate from_emitters(
     return e;
 }
 
-/// Adds what punctual lights give. @param near_lights those to leave out
+/// Adds the light of punctual lights. @param near_lights those to omit
 static void add_punctual(const rsv_direct_job *job, const rsv_node_receivers *receivers,
     uint32_t near_lights, rsv_direct_estimate *e)
 {
@@ -105,8 +105,8 @@ static rsv_direct_estimate estimate(const rsv_direct_job *job, uint32_t node)
     return e;
 }
 
-/// Moves nodes that have lights close by, which devices know nothing of, behind the others.
-/// @return how many others there are
+/// Moves nodes with nearby lights, which devices do not support, behind the others.
+/// @return number of the others
 static size_t put_near_last(const rsv_direct_job *job, uint32_t *list, size_t count)
 {
     size_t others = 0;

@@ -1,5 +1,6 @@
-/// What the room tunes by, with what was measured of it. The rest is chosen, not measured. What devices or other rooms read
-/// too stands in the headers of these: direct_sample.h, photon_guide.h, photon_map.h, photon_path.h, photon_turn.h, source_level.h.
+/// Tuning constants of the room, with the measurements behind them. Constants without a measurement were chosen. Those
+/// that devices or other rooms use are in direct_sample.h, photon_guide.h, photon_map.h, photon_path.h, photon_turn.h
+/// and source_level.h.
 #ifndef RSV_DIRECT_CONSTANTS_H
 #define RSV_DIRECT_CONSTANTS_H
 
@@ -10,7 +11,7 @@
 
 // ---- Lights close to surfaces (near_punctual.c) --------------------------------------------------------
 
-/// A light is close to a node that is less than so many sides of its cells away.
+/// A light is near a node if it is closer than this many sides of its cells.
 #define NEAR_LIGHT 4.0f
 /// Sides of parts, by their distance to the light.
 #define NEAR_LIGHT_PART 0.5f
@@ -19,15 +20,15 @@
 
 // ---- Photons (photons.c, photon_guide.c) -----------------------------------------------
 
-/// Share of photons that go to bins whose pilot rays were of use, and share that goes to all bins alike: their pilot rays
-/// are few. The rest starts as the source would send it by itself.
+/// Fraction of photons for bins whose pilot rays were useful, and fraction divided equally among all bins, because
+/// there are few pilot rays. The others start with the source's own distribution.
 #define GUIDED_SHARE 0.6f
 #define EVEN_SHARE 0.3f
 /// The strongest origins have a guide each; all others share one.
 #define OWN_GUIDES 63
 /// Rounds of pilot rays, each on bins that are finer where the last ones found something.
 #define MOST_PILOTS 4
-/// Part of what is useful that may be left beyond each side of the finer bins, and lines of bins kept there.
+/// Fraction of useful photons that may be left beyond each side of the finer bins, and number of bins kept there.
 #define OUTSIDE 0.01f
 #define OUTER_BINS 4
 
@@ -61,10 +62,11 @@
 /// Rays from a point light that is as near to a voxel as that is large.
 #define NEAR_LIGHT_SAMPLES 256
 
-// ---- Levels that follow what moves (source_follow.c) -------------------------------------------------
+// ---- Levels that follow moving objects (source_follow.c) --------------------------------------------
 
-/// Part of a level's cells that must ask to be split before it is: all of it is numbered anew then. Measured: a bucket moved
-/// by 6 cm in a classroom asks for 0.0005 of 376,000 cells; numbering them takes 0.3 s, all else of the level 0.3 s.
+/// Fraction of a level's cells that must need splitting before the level is split, which renumbers all of it. Measured:
+/// moving a bucket by 6 cm in a classroom needs 0.0005 of 376,000 cells; numbering takes 0.3 s, the rest of the level
+/// 0.3 s.
 #define SPLIT_SHARE 0.001f
 
 #endif

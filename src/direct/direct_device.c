@@ -13,10 +13,10 @@ typedef struct direct_device {
     size_t most;
     rsv_node_receivers *receivers; ///< [most]
     rsv_direct_estimate *estimate; ///< [most] in the order of the receivers
-    uint32_t *again;               ///< [most] nodes to be looked at more closely
+    uint32_t *again;               ///< [most] nodes that need more samples
 } direct_device;
 
-// ---- what a device can do -----------------------------------------------------------------------
+// ---- support by devices --------------------------------------------------------------------------
 
 /// Whether the device is worth its hierarchy, which takes the processor about as long as a ray per triangle.
 static bool is_worthwhile(const rsv_direct_job *job, size_t count)
@@ -109,7 +109,7 @@ static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count,
     return rsv_device_failed(d->context, status, message);
 }
 
-/// Notes the estimates of some nodes. @return how many are to be looked at again
+/// Records the estimates of some nodes. @return number of nodes that need more samples
 static size_t take(
     direct_device *d, const uint32_t *node, size_t count, bool preview, rsv_direct_light *light)
 {

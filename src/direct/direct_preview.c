@@ -110,7 +110,7 @@ static float mean_of(const rsv_receiver_block *block, uint32_t n, const float *v
     return valid ? sum / (float)__builtin_popcount(valid) : 0;
 }
 
-/// What is left of light that crosses the coat of a node.
+/// Transmittance of a node's coat.
 static rsv_rgb entering(
     const preview_job *job, const rsv_receiver_block *block, uint32_t n, float cos, rsv_rgb light)
 {
@@ -169,16 +169,16 @@ static uint32_t lanes_in_use(const rsv_ray_packet *packet)
     return lanes;
 }
 
-/// A block on its way: its rays towards the places of the first turn, and what is known of them.
+/// A block in progress: its rays towards the points of the first turn, and their results.
 typedef struct block_look {
     rsv_ray_packet packet;
     float share[LANES], cosine[LANES];
-    float passed[LANES]; ///< what arrives of each ray's light
+    float passed[LANES]; ///< transmittance of each ray
     rsv_rgb unshadowed[NODES];
     uint32_t sent, known; ///< lanes: with a ray, traced
 } __attribute__((aligned(64))) block_look;
 
-/// First what arrives without occlusion.
+/// Starts with the unoccluded light.
 static void aim_block(const preview_job *job, const rsv_receiver_block *block, block_look *look)
 {
     look->sent = look->known = 0;
@@ -223,8 +223,8 @@ static void take_as_seen(block_look *look, float passed)
         look->passed[k] = look->sent >> k & 1 ? passed : 0;
 }
 
-/// One ray of each node of the group: between them they aim at all places. Where they see alike, so do the others.
-/// @param first [GROUP] @return how many rays
+/// One ray from each node of the group; together they test all points. If they agree, the other rays are skipped.
+/// @param first [GROUP] @return number of rays
 static uint64_t look_first(const preview_job *job, block_look *first, rsv_ray_packet *packet)
 {
     for (uint32_t k = 0; k < LANES; k++) {
@@ -262,7 +262,7 @@ static uint64_t look_on(const preview_job *job, block_look *look)
     return (uint64_t)__builtin_popcount(left);
 }
 
-/// Notes what the rays of a block's nodes brought. Irradiance is that without occlusion for now.
+/// Stores the results of a block's nodes. At first, irradiance is unoccluded.
 static void note_block(const preview_job *job, size_t index, const block_look *look)
 {
     const rsv_receiver_block *block = &job->blocks->block[index];
@@ -288,7 +288,7 @@ static void note_block(const preview_job *job, size_t index, const block_look *l
     }
 }
 
-/// What a worker works with.
+/// Data of a worker.
 typedef struct group_look {
     block_look block[GROUP];
     rsv_ray_packet first; ///< one ray of each node
@@ -337,12 +337,11 @@ static void share_blocks(void *data, rsv_span span)
 
 // ---- punctual lights --------------------------------------------------------------------------------
 
-/// Aims a lane at a light; what it receives is lifted off its triangle with the packet. @return what arrives if nothing is
-/// between
+/// Sets a lane's ray to a light; the packet lifts the receiver off its triangle. @return the unoccluded light
 static rsv_rgb aim_at_light(const preview_job *job, const rsv_receiver_block *block, uint32_t lane,
     uint32_t light, rsv_ray_packet *packet)
 {
-    const rsv_medium outside = { .depth = 0 }; // what lies in absorbing bodies is in no block
+    const rsv_medium outside = { .depth = 0 }; // nodes inside absorbing bodies are not in blocks
     rsv_entrance entrance = rsv_entrance_through(
         &outside, job->blocks->scene->bsdf, block->coated ? RSV_COVER_PATCH : RSV_COVER_NONE);
     rsv_vec3 point = v3(block->x[lane], block->y[lane], block->z[lane]);

@@ -12,28 +12,29 @@ typedef struct rsv_direct_job {
     const rsv_transport_scene *scene;
     const rsv_elements *elements;
     rsv_direct_setting setting;
-    /// Shadow rays per node to emitters, a multiple of 16; punctual lights get one per point. Less than 16: a preview from
-    /// four points, and 16 rays where these see not the same.
+    /// Shadow rays per node to emitters, a multiple of 16; punctual lights get one per point. Less than 16: a preview
+    /// from four points, and 16 rays where these see not the same.
     uint32_t samples;
     const uint16_t
         *valid_points; ///< [node_count] from rsv_find_buried with the setting's points and seed
 } rsv_direct_job;
 
-/// What a pass finds.
+/// Result of a pass.
 typedef struct rsv_direct_light {
     rsv_rgb *irradiance; ///< [node_count]
     float *
-        deviation; ///< [node_count] standard deviation of the luminance of each estimate, itself estimated; NULL = not wanted
+        deviation; ///< [node_count] estimated standard deviation of the luminance of each estimate; NULL = not needed
     uint64_t rays;
 } rsv_direct_light;
 
-/// Edge of the patch over which a node's points average a normal map: finer ones must not show as noise from node to node.
+/// Edge of the patch over which a node's points average a normal map: finer ones must not show as noise from node to
+/// node.
 static inline float rsv_direct_width(const rsv_elements *e, uint32_t node)
 {
     return sqrtf(e->node_area[node]);
 }
 
-/// Sets up some of a node's points. @param valid points wanted, at least one
+/// Sets up some of a node's points. @param valid required points, at least one
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *receivers);
 

@@ -1,4 +1,4 @@
-/// Direct light of one node: the rays that ask for it, and what they tell. For device code too.
+/// Direct light of one node: its shadow rays and the estimate from them. Also for device code.
 #ifndef RSV_DIRECT_SAMPLE_H
 #define RSV_DIRECT_SAMPLE_H
 
@@ -9,7 +9,7 @@
 /// Receiver points of a node at most, and shadow rays at a time.
 #define RSV_DIRECT_LANES 16
 
-/// What all nodes have in common. On a device, all it points to lies there.
+/// Data common to all nodes. On a device, all pointers are to device memory.
 typedef struct rsv_direct_setting {
     const rsv_lights *lights;
     const rsv_bsdf *bsdf; ///< [material_count]
@@ -17,7 +17,7 @@ typedef struct rsv_direct_setting {
     uint32_t seed;
 } rsv_direct_setting;
 
-/// The receiver points of one node, and what covers them all.
+/// The receiver points of one node, and their common cover.
 typedef struct rsv_node_receivers {
     rsv_receiver at[RSV_DIRECT_LANES];
     rsv_medium medium;       ///< of the first of them that is not buried
@@ -41,9 +41,10 @@ RSV_INLINE rsv_entrance rsv_direct_entrance(
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------
 
-/// The point that sample `index` starts from: they take turns, which keeps the samples of each one stratified. Where a tree has
-/// its share of the samples, points that do not count leave theirs to the others, or too few might be left for what closed
-/// forms know. @param valid of a receiver, not 0
+/// The point from which sample `index` starts. Points take turns, which keeps the samples of each one stratified. If a
+/// tree has a part of the samples, those of invalid points go to the others, because too few might remain for the
+/// closed forms.
+/// @param valid of a receiver, not 0
 RSV_INLINE uint32_t rsv_direct_turn(const rsv_direct_setting *s, uint32_t valid, uint32_t index)
 {
     uint32_t point = index % s->points, left;
@@ -95,8 +96,8 @@ RSV_INLINE float rsv_direct_ratio(float unshadowed, float visible, float open)
 /// Stratified samples of one visibility boundary scatter less than independent ones, by about this factor.
 #define RSV_DIRECT_STRATIFIED 0.4f
 
-/// Visibility sampled, everything else known: the noise is that of a share of visible samples. Emitters that a tree chose
-/// come on top of it, as the mean of what their samples found.
+/// An estimate with sampled visibility and everything else known: its noise is that of a fraction of visible samples.
+/// The mean of samples from the tree's emitters is added to it.
 /// @param by_tree there are such emitters @param count of samples
 RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
     const rsv_event_sums *sums, rsv_rgb unshadowed, bool by_tree, float count)
@@ -122,8 +123,8 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
     return e;
 }
 
-/// What all points would receive without occlusion but for emitters in the tree; whether there are such.
-/// @param local [points] of those that are valid
+/// Unoccluded irradiance of all points, without emitters in the tree; and whether there are such.
+/// @param local [points] of the valid ones
 RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
     const rsv_node_receivers *receivers, const rsv_local_lights *local, float valid,
     rsv_rgb *unshadowed)
@@ -152,7 +153,7 @@ RSV_INLINE void rsv_direct_to_punctual(const rsv_direct_setting *s,
 /// Sums of one punctual light over the points.
 typedef struct rsv_direct_punctual {
     rsv_rgb sum;
-    uint32_t seen, hidden; ///< what arrives in part is both
+    uint32_t seen, hidden; ///< light that is partly blocked counts as both
 } rsv_direct_punctual;
 
 /// @param passed share of the event's light that arrives

@@ -1,5 +1,6 @@
-/// Punctual lights close to a surface. Most of what they send there lands on less than the support of a node, between the
-/// points that it receives from: its mean is found by parts that are small beside their distance to the light.
+/// Punctual lights close to a surface. Most of their light lands on an area smaller than the support of a node, between
+/// its receiver points. The mean is therefore computed over parts that are small compared with their distance to the
+/// light.
 #ifndef RSV_NEAR_PUNCTUAL_H
 #define RSV_NEAR_PUNCTUAL_H
 
@@ -9,7 +10,7 @@
 /// @return bit k = light k of rsv_punctual_at
 uint32_t rsv_near_punctual(const rsv_direct_job *job, uint32_t node);
 
-/// Adds what these lights give: irradiance averaged by the node's hat function.
+/// Adds the light of these lights: irradiance averaged with the node's hat function.
 /// @param near_lights not 0
 void rsv_near_punctual_add(const rsv_direct_job *job, const rsv_node_receivers *receivers,
     uint32_t node, uint32_t near_lights, rsv_direct_estimate *estimate);

@@ -98,7 +98,8 @@ bool rsv_guide_grid_zoom(rsv_guide_grid *grid, const float *useful)
     return true;
 }
 
-/// Neighbouring bins get part of a bin's weight: what the few pilot rays missed at an object's rim.
+/// Spreads part of each bin's weight to its neighbours, because the few pilot rays may have missed the rim of an
+/// object.
 static void blur(const float *in, float *out)
 {
     for (int y = 0; y < RSV_GUIDE_SIDE; y++) {

@@ -1,8 +1,8 @@
-/// Where a source of photons sees what is worth hitting: a distribution over the unit square from which the
-/// directions of its rays come.
+/// Guides photons towards useful directions: a distribution over the unit square, from which the directions of a
+/// source's rays are drawn.
 ///
-/// Its bins form a grid whose lines lie close together where there is something to hit: a sun that shines on a
-/// landscape finds the window of the one room in it.
+/// Its bins form a grid whose lines are close together where there is something to hit: a sun that shines on a
+/// landscape finds the window of the only room in it.
 #ifndef RSV_PHOTON_GUIDE_H
 #define RSV_PHOTON_GUIDE_H
 
@@ -28,9 +28,9 @@ typedef struct rsv_photon_guide {
 /// Bins of one size.
 rsv_guide_grid rsv_guide_grid_even(void);
 
-/// Draws the lines of a grid together around what was found useful. False if that is not worth it: it lies
-/// all over the finer part of the grid.
-/// @param useful [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE] sum of the worth of each bin's pilot rays
+/// Moves the lines of a grid closer together around the useful bins. False if that is not worth it, because these fill
+/// the finer part of the grid.
+/// @param useful [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE] sum of the usefulness of each bin's pilot rays
 bool rsv_guide_grid_zoom(rsv_guide_grid *grid, const float *useful);
 
 /// @param useful as above, on `grid`

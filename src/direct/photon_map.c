@@ -97,7 +97,7 @@ rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map
         rsv_rgb around = rsv_elements_interpolate(coarse_map->elements, coarse, face, u, v);
         float expected = e->node_area[node] *
                          rsv_elements_interpolate(coarse_map->elements, density, face, u, v).r;
-        // none where many were to be expected is as good a measurement as many
+        // no photons where many were expected is as good a measurement as many
         float photons = f_max((float)map->hits[node] / 65536.0f, expected);
         float trust = photons / (photons + RSV_PHOTON_PRIOR);
         irradiance[node] = rgb_mad(rgb_scale(irradiance[node], trust), 1 - trust, around);

@@ -14,7 +14,7 @@ typedef struct rsv_photon_map {
     double unit;        ///< W
 } rsv_photon_map;
 
-/// @param unit W: the smallest flux that is told from none
+/// @param unit W: the smallest flux that counts
 rsv_status rsv_photon_map_create(
     rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map);
 /// As if nothing had landed.
@@ -55,10 +55,10 @@ RSV_INLINE void rsv_photon_map_deposit(
     }
 }
 
-/// Adds up what the processes of a team have caught. Before rsv_photon_map_settle.
+/// Adds up the photons of a team's processes. Call it before rsv_photon_map_settle.
 void rsv_photon_map_unite(rsv_photon_map *map);
 
-/// Hanging nodes own no area: gives what landed on them to their parents. Once, after the last photon.
+/// Moves the photons of hanging nodes, which have no area, to their parents. Call it once, after the last photon.
 void rsv_photon_map_settle(rsv_photon_map *map);
 
 void rsv_photon_map_destroy(rsv_photon_map *map);
@@ -66,8 +66,8 @@ void rsv_photon_map_destroy(rsv_photon_map *map);
 /// Irradiance at the nodes: flux over the area of the hat function. @param irradiance [node_count]
 void rsv_photon_map_irradiance(const rsv_photon_map *map, rsv_rgb *irradiance);
 
-/// Draws nodes for which few photons speak towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR) with n
-/// the photons caught or, if that is more, those to be expected. The total flux stays what it was.
+/// Blends nodes with few photons towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR), with n the number of
+/// photons caught, or that expected if it is larger. Keeps the total flux.
 /// @param coarse irradiance on the elements of `coarse_map`
 rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map *coarse_map,
     const rsv_rgb *coarse, rsv_rgb *irradiance);

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-// ---- what there is ------------------------------------------------------------------------------
+// ---- origins -------------------------------------------------------------------------------------
 
 static double light_flux(const rsv_photon_origins *o, const rsv_punctual_light *light)
 {

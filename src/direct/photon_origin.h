@@ -1,4 +1,4 @@
-/// What photons start from: groups of emitters that are not gathered, punctual lights and suns.
+/// Origins of photons: groups of emitters that are not gathered, punctual lights and suns.
 #ifndef RSV_PHOTON_ORIGIN_H
 #define RSV_PHOTON_ORIGIN_H
 
@@ -13,7 +13,7 @@ typedef struct rsv_photon_origin {
     rsv_origin_kind kind;
     uint32_t index;
     double flux;       ///< luminance, W
-    float probability; ///< to be drawn among the origins that share a source
+    float probability; ///< of being drawn among the origins that share a source
     rsv_medium medium; ///< around it
 } rsv_photon_origin;
 

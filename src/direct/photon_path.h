@@ -27,7 +27,7 @@ RSV_INLINE uint32_t rsv_photons_of_source(const rsv_photon_source *source, uint3
 
 struct rsv_fog_witness; // specular/fog_flight.h
 
-/// What all photons have in common.
+/// Data common to all photons.
 typedef struct rsv_shooting {
     const rsv_transport_scene *scene;
     const rsv_photon_origins *origins;
@@ -38,7 +38,7 @@ typedef struct rsv_shooting {
 typedef struct rsv_photon {
     rsv_specular_path path;
     rsv_rgb flux; ///< that it left with, W
-    float level;  ///< weight that it keeps: what the first surface leaves of it
+    float level;  ///< weight that it keeps: that after the first surface
     rsv_random random;
 } rsv_photon;
 
@@ -47,7 +47,7 @@ RSV_INLINE bool rsv_is_specular(const rsv_bsdf *bsdf)
     return (!bsdf->lambert && !bsdf->unlit) || bsdf->opacity < 1;
 }
 
-/// Takes what fog takes on the way. Devices get no scenes with fog.
+/// Applies the attenuation of fog. Devices get no scenes with fog.
 RSV_INLINE void rsv_photon_dim(const rsv_transport_scene *scene, rsv_specular_path *path)
 {
 #if defined(RSV_DEVICE_CODE)
@@ -84,8 +84,8 @@ RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source 
     return rsv_photon_arrive(s->scene, &e, &photon->path);
 }
 
-/// Draws a specular event of a photon. At the first surface that it does not merely pass it always leaves, with less flux,
-/// so that faint coats have as many photons as their light is worth.
+/// Draws a specular event of a photon. At the first surface that it does not merely pass it always leaves, with less
+/// flux, so that faint coats have as many photons as their light is worth.
 RSV_INLINE rsv_bsdf_event rsv_photon_draw(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_random *random)
 {
@@ -98,8 +98,8 @@ RSV_INLINE rsv_bsdf_event rsv_photon_draw(
     return rsv_specular_draw_specular(scene, path, u);
 }
 
-/// Takes a photon through the fog on the segment that it has set out on. False if it ends there, or leaves the scene.
-/// @param air is told of segments after a specular event; NULL = nobody is
+/// Follows a photon through the fog on its segment. False if it ends there, or leaves the scene.
+/// @param air receives segments after a specular event; NULL = none
 RSV_INLINE bool rsv_photon_cross(const rsv_transport_scene *scene, rsv_specular_path *path,
     rsv_specular_move move, rsv_random *random, const struct rsv_fog_witness *air)
 {
@@ -112,6 +112,14 @@ RSV_INLINE bool rsv_photon_cross(const rsv_transport_scene *scene, rsv_specular_
     return move == RSV_SPECULAR_MOVED;
 }
 
+/// In clear air, only photons caught in a body are as long as that.
+RSV_INLINE bool rsv_photon_goes_on(
+    const rsv_transport_scene *scene, rsv_specular_path *path, rsv_random *random)
+{
+    if (scene->view->fog) return rsv_specular_goes_on(path, random);
+    return path->events < RSV_SPECULAR_MAX_EVENTS;
+}
+
 /// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.
 /// @param level as in rsv_photon @param air as in rsv_photon_cross
 RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_path *path,
@@ -120,7 +128,7 @@ RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_p
     rsv_bsdf_event event = rsv_photon_draw(scene, path, random);
     bool passes = event.lobe == RSV_LOBE_PASS;
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!(passes || specular) || path->events >= RSV_SPECULAR_MAX_EVENTS) return false;
+    if (!(passes || specular) || !rsv_photon_goes_on(scene, path, random)) return false;
     bool first = path->turns == 0 && !passes;
     rsv_rgb weight = event.weight;
     if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));
@@ -135,8 +143,8 @@ RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_p
     return true;
 }
 
-/// Comes to the next surface that the photon lands on, by at least one specular lobe: what merely passes blended surfaces
-/// is found by shadow rays. False if the photon ends.
+/// Finds the next surface where the photon lands, after at least one specular event. Shadow rays find light that only
+/// passes blended surfaces. False if the photon ends.
 /// @param air as in rsv_photon_cross
 RSV_INLINE bool rsv_photon_scatter(const rsv_transport_scene *scene, rsv_specular_path *path,
     float *level, rsv_random *random, const struct rsv_fog_witness *air)
@@ -148,7 +156,7 @@ RSV_INLINE bool rsv_photon_scatter(const rsv_transport_scene *scene, rsv_specula
     return false;
 }
 
-/// Leaves on maps what of a photon's flux enters the surface that it has come to.
+/// Adds the part of a photon's flux that enters the surface to the maps.
 RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_specular_path *path,
     rsv_rgb flux, const rsv_photon_map *map, size_t map_count)
 {

@@ -49,18 +49,31 @@ RSV_INLINE rsv_rgb rsv_eye_response(const rsv_turn *t, const rsv_bsdf *bsdf)
         rsv_bounded_ratio(a.r, b.r), rsv_bounded_ratio(a.g, b.g), rsv_bounded_ratio(a.b, b.b));
 }
 
+/// The same of what a clear coat with normals of its own leaves of ideal lobes below it.
+RSV_INLINE float rsv_eye_passage(const rsv_turn *t, const rsv_bsdf *bsdf)
+{
+    bool through = v3_dot(t->geometric, t->out) < 0;
+    if (!rsv_bsdf_meets_layers(bsdf, t->front) || (through && bsdf->solid)) return 1;
+    rsv_vec3 n = through ? v3_neg(t->eye_normal) : t->eye_normal;
+    return rsv_bounded_ratio(
+        rsv_bsdf_tilted_passage(bsdf, t->out, n), rsv_bsdf_tilted_passage(bsdf, t->in, t->normal));
+}
+
 RSV_SHARED rsv_rgb rsv_photon_turn(
     const rsv_transport_scene *scene, const rsv_specular_path *path, const rsv_bsdf_event *event)
 {
     rsv_turn t = rsv_turn_of(scene, path, event->direction);
+    rsv_bsdf storage;
     float in = v3_dot(t.geometric, t.in), out = fabsf(v3_dot(t.geometric, t.out));
-    if (event->pdf_solid_angle > 0 && !rsv_same_direction(t.normal, t.eye_normal)) {
-        rsv_bsdf storage;
-        const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
+    bool tilted = scene->bsdf[scene->view->triangle_material[path->triangle]].tilted;
+    bool asks =
+        tilted || (event->pdf_solid_angle > 0 && !rsv_same_direction(t.normal, t.eye_normal));
+    const rsv_bsdf *bsdf = asks ? rsv_specular_bsdf(scene, path, &storage) : NULL;
+    if (asks && event->pdf_solid_angle > 0)
         return rgb_scale(rsv_eye_response(&t, bsdf), rsv_bounded_ratio(out, in));
-    }
     float arrives = v3_dot(t.normal, t.in), leaves = fabsf(v3_dot(t.normal, t.out));
-    return rgb_gray(rsv_bounded_ratio(out * arrives, in * leaves));
+    float layers = tilted ? rsv_eye_passage(&t, bsdf) : 1;
+    return rgb_gray(layers * rsv_bounded_ratio(out * arrives, in * leaves));
 }
 
 #endif

@@ -32,8 +32,8 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 
 // ---- sources ------------------------------------------------------------------------------------
 
-/// What a photon that has met a specular surface is worth: the share of its flux that goes on to another surface where
-/// it is wanted.
+/// Usefulness of a photon that has hit a specular surface: the fraction of its flux that reaches another surface where
+/// it counts.
 static float worth(const photon_job *job, rsv_specular_path *path, rsv_random *random)
 {
     float level = 0;
@@ -128,7 +128,7 @@ static void destroy_sources(photon_job *job)
 
 // ---- paths --------------------------------------------------------------------------------------
 
-/// A photon's way through fog, and who wants to know.
+/// A photon's way through fog, and the receiver of its segments.
 typedef struct air_way {
     const rsv_photon_sink *sink;
     const rsv_photon *photon;
@@ -332,7 +332,7 @@ rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count
     bool done;
     RSV_TRY(rsv_photons_by_device(&deal, count, rays, &done));
     for (size_t m = 0; !done && m < targets->count; m++)
-        rsv_photon_map_clear(&maps[m]); // of what a device brought before it failed
+        rsv_photon_map_clear(&maps[m]); // removes photons of a device that failed
     if (!done) RSV_TRY(shoot_all(&job, count, rays));
     for (size_t m = 0; m < targets->count; m++) {
         rsv_photon_map_unite(&maps[m]);

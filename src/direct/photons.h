@@ -11,18 +11,19 @@
 /// Whether the scene has anything that could cast a caustic, lit by a source that is not gathered.
 bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *lights);
 
-/// What becomes of photons. It is told of every surface that one reaches after a specular event.
+/// Receiver of photons. It gets every surface that one reaches after a specular event.
 typedef struct rsv_photon_sink {
     void *user;
-    /// Several threads may call it. @param slot whose photons these are: one thread at a time works for a slot, in an order
-    /// that does not depend on the number of threads; below rsv_photon_slots @param flux W
+    /// Several threads may call it. @param slot whose photons these are: one thread at a time works for a slot, in an
+    /// order that does not depend on the number of threads; below rsv_photon_slots @param flux W
     void (*land)(void *user, size_t slot, const rsv_specular_path *path, rsv_rgb flux);
-    /// NULL, or called by the calling thread once all slots have had a few photons, and again after the next ones.
-    /// @param slots how many had some: to be merged in ascending order
+    /// Called by the calling thread once all slots have had a few photons, and again after the next ones; may be NULL.
+    /// @param slots number of slots with photons, which must be merged in ascending order
     void (*collect)(void *user, size_t slots);
     /// NULL, or whether a photon that lands there is of any use, as far as is known: most go where many are.
     bool (*wants)(void *user, const rsv_specular_path *path);
-    /// NULL, or told of every segment through fog after a specular event, as `land` is. @param flux W, where the ray begins
+    /// Called for every segment through fog after a specular event, as `land` is; may be NULL. @param flux W, at the
+    /// ray's start
     void (*cross)(void *user, const rsv_ray *ray, rsv_rgb flux);
 } rsv_photon_sink;
 
@@ -37,8 +38,8 @@ rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights 
 /// Where photons start, and a guide from each place: for more than one call of rsv_photons_deposit or rsv_photons_send.
 typedef struct rsv_photon_shooter rsv_photon_shooter;
 
-/// @param scene,lights borrowed for as long as it lives
-/// @param sink whose wishes guides follow, for the time of this call. NULL = every photon is wanted
+/// @param scene,lights borrowed until it is destroyed
+/// @param sink whose needs guides follow during this call. NULL = every photon is useful
 rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t seed, const rsv_photon_sink *sink, rsv_photon_shooter **shooter, uint64_t *rays);
 /// @param shooter NULL is allowed
@@ -51,7 +52,7 @@ rsv_status rsv_photons_send(const rsv_photon_shooter *shooter, uint32_t count, u
 /// Sets of elements that photons are deposited on at once.
 typedef struct rsv_photon_targets {
     const rsv_elements *const *elements; ///< [count]
-    rsv_photon_map *map; ///< [count] out; to be destroyed by the caller, even after an error
+    rsv_photon_map *map; ///< [count] out; destroyed by the caller, even after an error
     size_t count;
 } rsv_photon_targets;
 

@@ -29,13 +29,14 @@ typedef struct rsv_preview_kernels {
     void (*irradiance)(
         const rsv_receiver_block *block, const rsv_preview_polygon *polygon, float *irradiance);
     /// Shadow rays from each lane to its place; lanes are switched off that get no light from there.
-    /// @param share cosines over the squared distance, per lane, as from a disk of the place's area @param cosine at the
+    /// @param share cosines over the squared distance, per lane, as from a disk of the place's area @param cosine at
+    /// the
     ///              receiver
     void (*aim)(const rsv_receiver_block *block, const rsv_preview_places *places,
         rsv_ray_packet *packet, float *share, float *cosine);
 } rsv_preview_kernels;
 
-/// What the processor runs fastest.
+/// The fastest kernels for this CPU.
 const rsv_preview_kernels *rsv_preview_kernels_best(void);
 
 extern const rsv_preview_kernels rsv_preview_kernels_portable, rsv_preview_kernels_avx2,

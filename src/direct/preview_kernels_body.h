@@ -8,8 +8,8 @@ typedef struct lanes3 {
     float x[LANES], y[LANES], z[LANES];
 } __attribute__((aligned(64))) lanes3;
 
-/// theta / sin(theta) from s = sin^2(theta / 2), as in polygon_irradiance.c, and from the sine itself: next to half a turn
-/// s is 1 but for rounding.
+/// theta / sin(theta) from s = sin^2(theta / 2), as in polygon_irradiance.c, and from the sine: near half a turn, s is
+/// 1 up to rounding.
 static inline float angle_over_sine(float s, float sine)
 {
     float y = s <= 0.5f ? s : 1 - s, sum = 5.872689042007551f;

@@ -1,5 +1,5 @@
-/// Rays shared between neighbours: where a shadow ends, a node sees with those of the nodes around it, which between them
-/// aim at all places of the source. Twice over, so that what few rays tell is smooth.
+/// Shares rays between neighbours: at the edge of a shadow, a node uses the rays of the nodes around it, which together
+/// test all points of the source. Applied twice, so that the result of few rays is smooth.
 #ifndef RSV_PREVIEW_SHARING_H
 #define RSV_PREVIEW_SHARING_H
 
@@ -11,8 +11,8 @@ void rsv_preview_mark_edge(const rsv_receiver_blocks *blocks, uint32_t node);
 /// First `spread` of a block's nodes, from `sums` of all.
 void rsv_preview_share(const rsv_receiver_blocks *blocks, const rsv_receiver_block *block);
 
-/// Then what is left of the light of a block's nodes, from `spread` of all.
-/// @param irradiance [node_count] in: without occlusion; out: behind what stands in its way
+/// Transmitted fraction of the light of a block's nodes, from `spread` of all.
+/// @param irradiance [node_count] in: unoccluded; out: with occlusion
 void rsv_preview_shadow(
     const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, rsv_rgb *irradiance);
 

@@ -92,7 +92,7 @@ static void measure_scene(builder *w)
     w->scale = side > 0 ? 1 / side : 0;
 }
 
-/// Decides which nodes are to be held, and where they lie on the curve.
+/// Selects the nodes to store, and their positions on the curve.
 static void place_nodes(void *data, rsv_span span)
 {
     const builder *w = data;
@@ -110,7 +110,7 @@ static void place_nodes(void *data, rsv_span span)
     }
 }
 
-/// Lists the nodes that are to be held, in order.
+/// Lists the nodes to store, in order.
 static rsv_status sort_nodes(builder *w)
 {
     rsv_receiver_blocks *b = w->b;

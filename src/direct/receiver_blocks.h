@@ -20,7 +20,7 @@ typedef struct rsv_receiver_block {
     bool coated;                    ///< some of them lose light at an interface as it enters
 } __attribute__((aligned(64))) rsv_receiver_block;
 
-/// What the rays of a node could have brought, without occlusion, and what they brought.
+/// Unoccluded and actual light of a node's rays.
 typedef struct rsv_preview_sums {
     rsv_rgb open, visible;
 } rsv_preview_sums;
@@ -36,12 +36,12 @@ typedef struct rsv_receiver_blocks {
     bool holds_all;
     rsv_preview_sums *sums,
         *spread;           ///< [node_count] of the last preview, of nodes and of those around them
-    _Atomic uint8_t *edge; ///< [node_count] likewise, non-zero = a shadow ended there or beside
+    _Atomic uint8_t *edge; ///< [node_count] non-zero = a shadow ended there or at a neighbour
 } rsv_receiver_blocks;
 
 /// @param scene, elements borrowed
-/// @param draw, valid_points of rsv_find_buried: the first RSV_BLOCK_POINTS valid ones are taken
-/// @param moves [material_count] surfaces that move are in no block, nor is what lies in absorbing bodies
+/// @param draw, valid_points from rsv_find_buried: the first RSV_BLOCK_POINTS valid ones are used
+/// @param moves [material_count] moving surfaces are in no block, nor are nodes inside absorbing bodies
 rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     const rsv_elements *elements, rsv_support_draw draw, const uint16_t *valid_points,
     const bool *moves, rsv_receiver_blocks **blocks);

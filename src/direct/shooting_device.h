@@ -4,8 +4,8 @@
 
 #include "device_shooting.h"
 
-/// Shoots as many photons from each source as its share of `count` is, if there is a device that can.
-/// @param deal without its hierarchy @param done out: whether the maps hold what they left; else they are untouched
+/// Traces as many photons from each source as its part of `count`, if there is a device that can.
+/// @param deal without its hierarchy @param done out: whether the maps hold the result; otherwise they are unchanged
 /// @return the device's failure, unless it is optional
 rsv_status rsv_photons_by_device(
     const rsv_device_shooting_desc *deal, uint32_t count, uint64_t *rays, bool *done);

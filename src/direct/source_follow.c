@@ -1,5 +1,5 @@
-/// Levels of direct light and caustics whose surfaces move. Elements stay: light is sampled again at nodes that a motion may
-/// have hidden from a source, or shown to it, and cells are split further where new shadows end.
+/// Levels of direct light and caustics whose surfaces move. Elements stay: light is sampled again at nodes that a
+/// motion may have hidden from a source, or shown to it, and cells are split further where new shadows end.
 #include "../core/parallel.h"
 #include "../update/moved_elements.h"
 #include "direct_constants.h"
@@ -11,11 +11,11 @@ typedef struct level_follower {
     rsv_level_builder b;
     const rsv_level_motion *motion;
     uint8_t *changed;        ///< [cell_count] 1 = light may be another there
-    uint8_t *coarse_changed; ///< [coarse cell_count] likewise
+    uint8_t *coarse_changed; ///< [coarse cell_count]
     uint8_t *anew;           ///< [node_count] 1 = the node receives light elsewhere
 } level_follower;
 
-/// Elements that nobody else holds, and their fields.
+/// Takes ownership of elements, which must have no other owner, and their fields.
 static rsv_status take_level(level_follower *f, rsv_source_level *level)
 {
     rsv_status status = RSV_OK;
@@ -47,7 +47,7 @@ static rsv_status move_elements(level_follower *f)
     return rsv_elements_follow(f->b.scene, e, &motion, f->b.valid_points, f->anew);
 }
 
-/// What the coarse elements tell, unless these were divided further than the cell.
+/// Whether the coarse elements say that it may have changed, unless these are finer than the cell.
 static bool may_be_changed(const level_follower *f, const rsv_cell *cell)
 {
     const rsv_elements *coarse = f->b.coarse;
@@ -91,7 +91,7 @@ static bool is_beside_shadow(const level_follower *f, uint32_t node)
     return false;
 }
 
-/// Samples light again where it may be another, with more rays beside shadows.
+/// Samples light again where it may have changed, with more rays next to shadows.
 static rsv_status sample_again(level_follower *f)
 {
     rsv_level_builder *b = &f->b;
@@ -154,7 +154,7 @@ static rsv_status find_near(const level_follower *f, uint8_t *near, size_t *coun
     return RSV_OK;
 }
 
-/// Marks cells where light bends now. @param marked out: how many; 0 = too few to be looked for
+/// Marks cells where light curves now. @param marked out: number of cells; 0 = too few to split
 static rsv_status mark_changed(level_follower *f, size_t *marked)
 {
     rsv_level_builder *b = &f->b;
@@ -181,7 +181,7 @@ cleanup:
     return status;
 }
 
-/// Splits cells until light bends within few: those are left until the level is built anew.
+/// Splits cells until few remain in which light curves. These are left until the level is built again.
 static rsv_status split_cells(level_follower *f)
 {
     rsv_status status = RSV_OK;
@@ -225,7 +225,7 @@ rsv_status rsv_source_level_follow(const rsv_transport_scene *scene, const rsv_e
     level_follower f = { .motion = motion,
         .b = { scene, motion->lights, coarse, &own, .rays = rays } };
     size_t built_cells = level->built_cells;
-    own.start = level->elements; // cells know how deep they are
+    own.start = level->elements; // cells know their depth
     RSV_TRY(take_level(&f, level));
     RSV_TRY(move_elements(&f));
     RSV_TRY(desc->direct ? follow_direct(&f) : RSV_OK);

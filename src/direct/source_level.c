@@ -12,14 +12,14 @@
 
 #include <string.h>
 
-/// Nodes of a level, and what is known of the one that it refines.
+/// Nodes of a level, and the known values of the level that it refines.
 typedef struct node_job {
     rsv_level_builder *b;
     const rsv_earlier_level *earlier;
     uint8_t *skip; ///< [node_count] out, of skip_broken()
 } node_job;
 
-/// Takes over what is known of nodes whose surroundings did not change.
+/// Reuses values of nodes whose surroundings did not change.
 static void carry_over(void *data, rsv_span span)
 {
     const node_job *job = data;
@@ -261,7 +261,7 @@ cleanup:
     return status;
 }
 
-/// Takes the fields away from the builder, which starts anew.
+/// Takes the fields from the builder, which starts again.
 rsv_earlier_level rsv_level_set_aside(rsv_level_builder *b)
 {
     rsv_earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
@@ -362,8 +362,8 @@ static bool is_lit(const rsv_level_builder *b, size_t cell)
              rgb_is_black(b->direct[node[2]]));
 }
 
-/// Elements to begin with, split once for direct light but for what is kept in the end. For a goal, which has the
-/// fewest elements that do, those alone that a first look finds lit.
+/// The first elements, split once for direct light, except where they will be kept unsplit. For a goal, which needs as
+/// few elements as possible, only those that a first pass finds lit are split.
 static rsv_status begin(rsv_level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
@@ -402,7 +402,7 @@ cleanup:
     return status;
 }
 
-/// Caustics of what was shot last, on the level and on the coarse elements.
+/// Caustics of the last photons, on the level and on the coarse elements.
 static rsv_status finish_caustics(rsv_level_builder *b, rsv_source_level *level)
 {
     rsv_context *context = b->coarse->context;

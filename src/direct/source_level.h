@@ -10,20 +10,20 @@
 #include "../update/light_shafts.h"
 
 #define RSV_LEVEL_POINTS 4 ///< receiver points over the support of a node
-/// Nodes of split cells in which a shadow ends get so many times the shadow rays.
+/// Factor of shadow rays for nodes of split cells with the edge of a shadow.
 #define RSV_PENUMBRA_FACTOR 4
 
 typedef struct rsv_source_level_desc {
-    bool direct;            ///< next-event estimates wanted
-    uint32_t photon_count;  ///< 0 = no caustics wanted
+    bool direct;            ///< next-event estimates are needed
+    uint32_t photon_count;  ///< 0 = no caustics
     uint32_t levels;        ///< splits below the coarse elements at most
     size_t max_cells;       ///< no more splits that lead beyond
     uint32_t light_samples; ///< shadow rays per node
     const uint8_t *hidden;  ///< [cell_count of the coarse elements] non-zero = not worth splitting;
                             ///< NULL = all are
     uint32_t seed;
-    /// Elements to go on from: the coarse ones with splits. Light on them is then found for splits alone, and coarsely. NULL
-    /// = the coarse ones.
+    /// Elements to start from: the coarse ones with splits. Light on them is then computed only for splitting, and
+    /// coarsely. NULL = the coarse ones.
     const rsv_elements *start;
 } rsv_source_level_desc;
 
@@ -42,10 +42,10 @@ typedef struct rsv_source_level {
 rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
     uint64_t *rays);
-/// What moved on and around a level.
+/// Motion on and around a level.
 typedef struct rsv_level_motion {
     const uint8_t *moved;           ///< [triangle_count] 1 = it moved
-    const rsv_light_shafts *shafts; ///< from sources, through boxes around what moved
+    const rsv_light_shafts *shafts; ///< from sources through boxes around moved objects
     const rsv_lights *lights;       ///< as they are now
 } rsv_level_motion;
 

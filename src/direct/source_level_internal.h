@@ -1,4 +1,4 @@
-/// Steps of building a level, for those who build one anew (source_level.c) and those who let one follow what moves
+/// Steps of building a level, for building it from scratch (source_level.c) and for following a motion
 /// (source_follow.c).
 #ifndef RSV_SOURCE_LEVEL_INTERNAL_H
 #define RSV_SOURCE_LEVEL_INTERNAL_H
@@ -17,19 +17,20 @@ typedef struct rsv_level_builder {
     uint16_t *valid_points;
     uint8_t *known;              ///< [node_count] 1 where valid_points are known already
     uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
-    rsv_photon_shooter *shooter; ///< of photons; NULL = none are wanted
+    rsv_photon_shooter *shooter; ///< of photons; NULL = none
     rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint8_t *split; ///< [cell_count]
     const uint8_t
-        *asked; ///< [cell_count] 1 = the cell, or one beside it, may be split; NULL = all may
+        *asked; ///< [cell_count] 1 = the cell or a neighbour may be split; NULL = all may
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
     bool complete;        ///< there will be no more splits
     size_t kept_count;    ///< nodes in the end of which it is
     uint64_t *rays;
 } rsv_level_builder;
 
-/// What was known on the elements before a split.
+/// Known values on the elements before a split.
+
 typedef struct rsv_earlier_level {
     rsv_elements *elements;
     rsv_rgb *direct;

@@ -32,8 +32,8 @@ static polar_ray ray_from(const rsv_voxels *v, uint32_t voxel, rsv_vec3 from, rs
     return ray;
 }
 
-/// A place in a voxel's cell: along a ray from the light, where the fluence I / r^2 times the density of places, r^2, has no
-/// pole; or anywhere. @param u in [0, 1) @return false if the ray misses the cell
+/// A place in a voxel's cell: along a ray from the light, where the fluence I / r^2 times the density of places, r^2,
+/// has no pole; or anywhere. @param u in [0, 1) @return false if the ray misses the cell
 static bool draw_place(
     const rsv_voxels *v, uint32_t voxel, rsv_vec3 from, const float u[3], rsv_vec3 *place)
 {

@@ -91,7 +91,7 @@ bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_v
     return rsv_tracer_occluded(tracer, &up);
 }
 
-/// Whether a lamp close by is all that a place sees, nearly.
+/// Whether a nearby lamp fills nearly all of the view from a place.
 static bool is_behind_lamp(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)
 {
@@ -118,11 +118,11 @@ bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shap
     return is_opaque(scene, &hit);
 }
 
-/// SIGHT_BOTH: faces of both windings in one place, of which the front is seen. That is a wall written twice, and says that
-/// one is in the open; or two bodies touch, and one is inside of the first.
+/// SIGHT_BOTH: faces of both windings in one place, of which the front is seen. That is a wall written twice, and says
+/// that one is in the open; or two bodies touch, and one is inside of the first.
 typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT, SIGHT_BOTH } sight;
 
-/// What a ray meets first: the back of a one-sided opaque surface, or anything else.
+/// The first hit of a ray: the back of a one-sided opaque surface, or anything else.
 static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_specular_path *path)
 {
     rsv_hit hit;
@@ -195,8 +195,8 @@ bool rsv_is_touched_or_hidden(const rsv_transport_scene *scene, rsv_hit place,
     return rsv_tracer_occluded(scene->tracer, &up);
 }
 
-/// Whether a ray leaves a body that it did not enter: its skin is seen from within, whatever other bodies lie in it.
-/// Clear surfaces and two-sided ones bound no body.
+/// Whether a ray leaves a body that it did not enter: it sees the body's skin from inside, whatever other bodies are in
+/// it. Transparent surfaces and two-sided ones do not bound a body.
 static bool leaves_body(const rsv_transport_scene *scene, rsv_ray ray, uint64_t *rays)
 {
     rsv_hit hit;

@@ -1,4 +1,4 @@
-/// Places just above cells, and what stands between or upon them.
+/// Visibility of places just above cells.
 #ifndef RSV_CELL_VISIBILITY_H
 #define RSV_CELL_VISIBILITY_H
 
@@ -16,11 +16,11 @@ typedef struct rsv_cell_shape {
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 
-/// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
+/// A place on the border of a cell, moved slightly towards its centre, away from objects that only touch the border.
 rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 
-/// Right above a place by a tenth of the elements' spacing (of the cell's size, if that is larger): higher than gaps that
-/// light could pass below a wall.
+/// Right above a place by a tenth of the elements' spacing (of the cell's size, if that is larger): higher than gaps
+/// that light could pass below a wall.
 rsv_vec3 rsv_cell_above_gaps(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// The same below anything that does not touch the place.
@@ -30,9 +30,9 @@ rsv_vec3 rsv_cell_within_gap(const rsv_cell_shape *shape, rsv_vec3 place);
 /// small the cell.
 bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
 
-/// Whether something lies right upon the cell at a place: anything that touches it, something opaque less than a fifth of
-/// the elements' spacing (or of the cell's size, if that is larger) above, a lamp less than a fifth of the cell's size, or
-/// less than half of it and nearly all there is to see.
+/// Whether something lies right upon the cell at a place: anything that touches it, something opaque less than a fifth
+/// of the elements' spacing (or of the cell's size, if that is larger) above, a lamp less than a fifth of the cell's
+/// size, or less than half of it and nearly all there is to see.
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// How far one can see from a place towards another before anything opaque, as a part of the way; 1 = all of it.
@@ -49,22 +49,22 @@ RSV_INLINE bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, 
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
     uint64_t *rays);
 
-/// The same for a place close to other geometry, where what it sees may lie inside that geometry too: a floor
-/// and a rear wall that both run on into a wall see each other in there. Dearer, and satisfied by a majority.
+/// The same for a place close to other geometry, whose view may be inside that geometry too: a floor and a rear wall
+/// that both continue into a wall see each other there. More expensive, and decided by a majority.
 bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
     uint32_t seed, uint64_t *rays);
 
-/// Whether a place itself, not one that hovers above a cell, lies inside a closed opaque body: in whatever direction one
-/// looks, one sees that body's skin from within, past other bodies that lie in it or by way of them. Depends on no
-/// elements.
+/// Whether a place itself (not one that hovers above a cell) is inside a closed opaque body: all rays from it see that
+/// body's skin from inside, past other bodies in it or after reflections. Does not depend on elements.
 bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
     uint32_t seed, uint64_t *rays);
 
-/// Whether rays that arrive at a place of a triangle see another face there (scene/twins.h), so that nobody sees its light.
-/// @param normal of the side they arrive at
+/// Whether rays that arrive at a place of a triangle see another face there (scene/twins.h), so that its light is
+/// hidden.
+/// @param normal of the side at which they arrive
 bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal);
 
-/// What is closer above a surface touches it, metres: alike for solutions of every quality.
+/// Geometry closer than this above a surface touches it, metres. The same for solutions of every quality.
 float rsv_touch_distance(const rsv_transport_scene *scene);
 
 /// Whether something touches a place of a triangle, or another face in the same place hides it.

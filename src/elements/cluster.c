@@ -133,7 +133,7 @@ static void add_leader(leaders *led, uint32_t leader, float distance)
     led->distance[p] = distance;
 }
 
-/// Tells every node within reach of the leader (Dijkstra's algorithm).
+/// Registers the leader at all nodes within its reach (Dijkstra's algorithm).
 static rsv_status lead(clustering *c, uint32_t leader)
 {
     c->visited_count = c->front_count = 0;
@@ -142,7 +142,7 @@ static rsv_status lead(clustering *c, uint32_t leader)
     while (status == RSV_OK && c->front_count > 0) {
         front_node here = pop(c);
         if (here.distance > c->distance[here.node]) continue; // a shorter way was found since
-        // who has nearer ones, leads its neighbours to those
+        // a node with nearer leaders passes those on to its neighbours
         if (here.distance >= c->led[here.node].distance[RSV_PARENTS - 1]) continue;
         add_leader(&c->led[here.node], leader, here.distance);
         status = reach_neighbours(c, here.node, here.distance);
@@ -193,7 +193,7 @@ static rsv_hanging follower_of(const clustering *c, uint32_t node)
     return follower;
 }
 
-/// Tells leaders who follows them: what they receive must be what arrives at all of these on average.
+/// Lists the followers of each leader: the leader receives the mean of the light that arrives at them.
 static rsv_status list_followers(rsv_elements *e)
 {
     e->led_begin = rsv_alloc(e->context, e->node_count + 1, sizeof *e->led_begin);
@@ -216,7 +216,7 @@ static rsv_status list_followers(rsv_elements *e)
     return RSV_OK;
 }
 
-/// Followers come before what hangs on them: parents before children.
+/// Followers precede the nodes that hang on them: parents come before children.
 static rsv_status add_followers(clustering *c)
 {
     rsv_elements *e = c->e;

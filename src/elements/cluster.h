@@ -1,17 +1,17 @@
-/// Meshes finer than the wanted spacing: most of their vertices need no row of their own.
+/// Meshes finer than required: most of their vertices need no row of their own.
 #ifndef RSV_CLUSTER_H
 #define RSV_CLUSTER_H
 
 #include "elements.h"
 
-/// Keeps some nodes of finely meshed surfaces as leaders and lets the others follow: a follower's value is a smooth
-/// weighted mean of the leaders around it, so the field stays continuous and shows no facets.
+/// On finely meshed surfaces, keeps some nodes as leaders and makes the others followers. The value of a follower is a
+/// smooth weighted mean of the leaders around it, so the field remains continuous and shows no facets.
 ///
-/// Distance runs along the edges of cells, so that it leads neither across creases and walls nor through thin
-/// bodies, and a turn of the surface counts like a way: a small ball keeps leaders on all sides. Only nodes whose
-/// cells are whole triangles follow; grids and split cells have the size that somebody asked for.
-/// @param radius metres, halved `face_halvings` times: every follower has a leader within it, and is led by those within
-/// twice of it
+/// Distance is measured along the edges of cells, so that followers do not reach across creases, walls or thin bodies.
+/// Turns of the surface add to it: a small ball keeps leaders on all sides. Only nodes of whole triangles follow; grids
+/// and split cells already have the required size.
+/// @param radius metres, halved `face_halvings` times: every follower has a leader within it, and depends on those
+/// within twice of it
 rsv_status rsv_elements_cluster(rsv_elements *elements, float radius);
 
 /// As it is at a cell.

@@ -37,9 +37,9 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
     return f;
 }
 
-/// Whether something stands between two cells of a fan, or upon one of them. A gap ends where cells that
-/// lie in it do, at folds too. About sharp folds, such as that between a pot's side and its base, one looks by way of a
-/// place above both cells. Gently folded ones count as connected: the straight line would run through the surface itself.
+/// Whether something is between two cells of a fan, or on one of them. A gap ends at cells inside it, also at folds. At
+/// sharp folds, such as between a pot's side and its base, visibility is tested through a point above both cells. Cells
+/// at gentle folds count as connected, because the straight line would run through the surface itself.
 static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a, uint32_t b)
 {
     if (f->sheltered[a] != f->sheltered[b]) return true;
@@ -50,8 +50,8 @@ static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a
     return rsv_is_blocked(scene, f->place[a], before) || rsv_is_blocked(scene, before, f->place[b]);
 }
 
-/// Groups the cells of a fan that see each other, directly or by way of others. Buried ones are none's, and go with the
-/// first.
+/// Groups the cells of a fan that see each other, directly or through others. Buried cells belong to no group and are
+/// added to the first.
 /// @param group [count], out @return number of groups
 static uint32_t group_fan(
     const rsv_transport_scene *scene, const fan *f, uint32_t *group, uint64_t *rays)

@@ -20,8 +20,8 @@ static float finest_size(
     uint32_t levels = through ? THIN_WALL_LEVELS : CONTACT_LEVELS;
     if (!through && !(openness & RSV_CELL_CUT)) return INFINITY;
     if (growth) {
-        // Next to what stands upon a cell light is wrong by as much whatever the size, on an area that shrinks with it:
-        // with the square of the sizes that smooth light wants. Through a wall it may be wrong by any number of times.
+        // Next to an object on a cell, the error of light does not depend on the cell's size, but its area shrinks with
+        // it: with the square of the size that smooth light requires. Through a wall, light may be wrong by any factor.
         float larger = through ? 1 : growth->at(growth->user, e, cell);
         return RSV_GROWTH_TOLERANCE * larger * larger * ldexpf(e->spacing, -(int)levels);
     }
@@ -52,8 +52,8 @@ static void find_finest_sizes(
     rsv_parallel_for(e->context, e->cell_count, 256, size_cells, &job);
 }
 
-/// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it
-/// meets twice as many cells of half the size.
+/// Number of nodes that further splits would add if no cell below a given size were split. The cutting geometry is
+/// assumed to be a line, which meets twice as many cells of half the size.
 static double nodes_for(const rsv_elements *e, const float *finest, float least)
 {
     double cells = 0;
@@ -72,7 +72,7 @@ typedef struct allowance {
     float least, share;
 } allowance;
 
-/// @param most_nodes to be added, about @param least size that is known to be too small
+/// @param most_nodes approximate limit @param least size that is known to be too small
 static allowance afford(const rsv_elements *e, const float *finest, size_t most_nodes, float least)
 {
     double most = (double)most_nodes, step_below = 0, nodes;
@@ -85,7 +85,7 @@ static allowance afford(const rsv_elements *e, const float *finest, size_t most_
     return (allowance){ least, step_below > 0 ? (float)share : 0 };
 }
 
-/// @param known decides where it knows: what is affordable depends on the whole scene
+/// @param known decides if it knows the cell, because the limit depends on the whole scene
 static bool is_affordable(const rsv_known_cells *known, const rsv_elements *e, uint32_t cell,
     float finest, const allowance *a)
 {

@@ -78,10 +78,10 @@ static size_t count_cells(const rsv_elements *e, const uint8_t *cells)
     return cells ? count : e->cell_count;
 }
 
-/// Which other cell lies across each edge.
-/// @param cells [cell_count] 0 = left out; NULL = none is
-/// @param across [4 cell_count] out: by 4 * cell + corner opposite to the edge, the same of the other cell; NO_CELL at
-/// borders and where smaller or larger cells follow
+/// The neighbour across each edge.
+/// @param cells [cell_count] 0 = omit; NULL = omit none
+/// @param across [4 cell_count] out: by 4 * cell + corner opposite the edge, the same of the neighbour; NO_CELL at
+/// borders and next to smaller or larger cells
 static rsv_status find_partners(
     const rsv_elements *e, const uint8_t *cells, _Atomic uint32_t *across)
 {
@@ -103,7 +103,7 @@ cleanup:
 /// the sums agree on a plane.
 typedef struct edge_values {
     float ends, opposite;
-    float noise; ///< standard deviation of what the two differ by
+    float noise; ///< standard deviation of the difference between the two
 } edge_values;
 
 static edge_values values_at(
@@ -122,7 +122,7 @@ static edge_values values_at(
     return v;
 }
 
-/// What noise does not explain, as a share of the local level; 0 where there is nothing.
+/// The part that noise does not explain, relative to the local level; 0 if there is none.
 static float curvature_of(const edge_values *v, float floor)
 {
     float level = 0.25f * (v->ends + v->opposite) + floor;

@@ -157,7 +157,7 @@ static void emit_cell(splitter *s, size_t slot, rsv_cell cell)
     s->fresh->slot[slot] = (uint32_t)s->next_cell++;
 }
 
-/// What is known of a cell that is split.
+/// Known openness of a cell that is split.
 static uint8_t known_openness(const rsv_elements *e, size_t slot)
 {
     uint32_t content = e->slot[slot];

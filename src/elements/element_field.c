@@ -186,7 +186,7 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
     uint32_t twin = other->cell_node[cell][k];
     if (!is_own_corner(other, twin, cell, k)) return RSV_NONE;
     if (!has_same_cells(e, node, other, twin)) return RSV_NONE;
-    // clusters are divided anew
+    // clusters are divided again
     float area = support_area(e, node);
     return fabsf(support_area(other, twin) - area) <= 1e-6f * area ? twin : RSV_NONE;
 }
@@ -239,7 +239,7 @@ static void constrain_node(const rsv_hanging *hanging, rsv_rgb *value)
     value[hanging->node] = sum;
 }
 
-/// A field and what becomes of it.
+/// A field and its result.
 typedef struct field_job {
     const rsv_elements *e;
     const rsv_rgb *value;

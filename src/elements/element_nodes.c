@@ -1,5 +1,5 @@
-/// Numbers the corners of cells and finds those that hang. All threads work on it: the number of a node follows from the
-/// place, 4 * cell + corner, at which it is met first.
+/// Numbers the corners of cells and finds those that hang. All threads work on it: the number of a node follows from
+/// the place, 4 * cell + corner, at which it is met first.
 #include "elements_constants.h"
 #include "elements_internal.h"
 

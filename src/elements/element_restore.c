@@ -38,7 +38,8 @@ typedef struct cell_builder {
     size_t next_slot, next_cell;
 } cell_builder;
 
-/// Numbers slots and cells in the order that rsv_elements_split_cells leaves. False if a split leads too deep or too far.
+/// Numbers slots and cells in the order that rsv_elements_split_cells leaves. False if a split leads too deep or too
+/// far.
 static bool place_cell(cell_builder *b, size_t slot, rsv_cell cell)
 {
     rsv_elements *e = b->elements;

@@ -50,7 +50,7 @@ typedef struct support_list {
     _Atomic uint32_t *taken; ///< [node_count] places, zeros at first
 } support_list;
 
-/// Whoever comes first takes the next place.
+/// Each corner takes the next free place, in any order.
 static void list_corners(void *user, rsv_span span)
 {
     const support_list *list = user;

@@ -19,7 +19,7 @@ rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf
     return RSV_OK;
 }
 
-/// Cells alone, without nodes.
+/// Cells only, without nodes.
 static rsv_status split_once(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements **finer)
 {

@@ -1,13 +1,13 @@
 /// Elements without UVs: piecewise linear functions on a subdivision of the scene's own triangles.
 ///
-/// A *face* is one scattering side of a triangle. Each face carries a regular barycentric grid of
-/// 2^level cells along an edge (after Yuksel's mesh colors), and any cell may be split further 4-to-1.
-/// The corners of cells are *nodes*; node and element are the same thing: the hat function that is 1
-/// there and falls to 0 at the neighbours. Nodes are shared along edges by faces that meet smoothly and
-/// carry one material, and are separate across creases and material borders.
+/// A *face* is one scattering side of a triangle. Each face has a regular barycentric grid with 2^level cells along an
+/// edge (after Yuksel's mesh colors), and any cell may be split further, 4-to-1. The corners of cells are *nodes*. A
+/// node is the same as an element: the hat function that is 1 at the node and 0 at its neighbours. Faces that meet
+/// smoothly and have the same material share the nodes along their common edge; nodes are separate across creases and
+/// material borders.
 ///
-/// Where a large cell meets smaller ones, the nodes in the middle of its edge *hang*: their value is the
-/// linear interpolant along that edge, so the field is continuous.
+/// Where a large cell meets smaller ones, the nodes in the middle of its edge *hang*: their value is the linear
+/// interpolant along that edge, so the field is continuous.
 #ifndef RSV_ELEMENTS_H
 #define RSV_ELEMENTS_H
 
@@ -15,9 +15,9 @@
 #include "../core/triangle_grid.h"
 #include "../surface/entry.h"
 
-/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
+/// Approximate number of nodes added by splitting a cell, without those shared with neighbours.
 #define RSV_NODES_PER_SPLIT 2
-/// Splits halve cells: a goal's end up at most this much larger than wanted.
+/// Splits halve cells, so the cells of a goal may be larger than requested by this factor.
 #define RSV_GROWTH_TOLERANCE 1.4f
 /// Nodes below which waking the threads takes longer than the work.
 #define RSV_PARALLEL_NODES 16384
@@ -34,8 +34,8 @@ typedef struct rsv_cell {
 
 #define RSV_PARENTS 4
 
-/// A node whose value is the weighted mean of other nodes: of two where it hangs on the edge of a larger cell, of up
-/// to four where its mesh is finer than wanted (cluster.h).
+/// A node whose value is the weighted mean of other nodes: of two if it hangs on the edge of a larger cell, of up to
+/// four if its mesh is finer than required (cluster.h).
 typedef struct rsv_hanging {
     uint32_t node, parent[RSV_PARENTS];
     float weight[RSV_PARENTS]; ///< sum 1; parents of weight 0 count for nothing
@@ -52,7 +52,7 @@ typedef struct rsv_elements {
     uint32_t references; ///< holders; rsv_elements_destroy by the last one frees
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
-    float spacing;        ///< metres between nodes that was asked for
+    float spacing;        ///< requested distance between nodes, metres
 
     uint32_t *face_of[2]; ///< [triangle_count] front and back; RSV_NONE = does not scatter
     size_t face_count;
@@ -68,7 +68,7 @@ typedef struct rsv_elements {
 
     uint32_t *slot; ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
     size_t slot_count;
-    uint8_t *slot_openness; ///< [slot_count] what was judged of cells before they were split, with
+    uint8_t *slot_openness; ///< [slot_count] openness of cells before they were split, with
                             ///< RSV_OPENNESS_KNOWN; NULL = of none
 
     size_t cell_count;
@@ -91,8 +91,8 @@ typedef struct rsv_elements {
     uint32_t *led_begin;    ///< [node_count + 1] into `led`; NULL = no clusters
     rsv_led *led;           ///< those that follow each node
     uint32_t *
-        node_draw; ///< [node_count] number that stands for each node's where its points are drawn: what it had
-                   ///< in an earlier version of the scene; NULL = its own
+        node_draw; ///< [node_count] number that selects the random numbers of each node's points: that of an
+                   ///< earlier version of the scene; NULL = its own
     struct rsv_voxels *voxels; ///< of the fog in the air (voxels.h); NULL = it is clear
 } rsv_elements;
 
@@ -113,7 +113,7 @@ rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
 rsv_status rsv_elements_refine(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements **elements);
 
-/// Marks cells to be split. @param elements whose cells alone are there yet @param split [cell_count], zeros
+/// Marks cells to split. @param elements with cells only @param split [cell_count], zeros
 typedef void (*rsv_split_chooser)(void *user, const rsv_elements *elements, uint8_t *split);
 
 /// The same, the cells being split again and again until none is chosen.
@@ -130,7 +130,7 @@ rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
 rsv_status rsv_elements_copy(const rsv_elements *elements, const rsv_scene_view *scene,
     const rsv_bsdf *bsdf, rsv_elements **copy);
 
-/// One more holder of the same elements, who destroys them in turn. @param elements NULL is allowed
+/// Adds an owner of the same elements; every owner destroys them once. @param elements NULL is allowed
 rsv_elements *rsv_elements_retain(rsv_elements *elements);
 void rsv_elements_destroy(rsv_elements *elements);
 
@@ -175,7 +175,8 @@ void rsv_elements_average(const rsv_elements *elements, const rsv_rgb *value, rs
 /// Replaces the values of hanging nodes by their interpolants.
 void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
 
-/// The transposed of that: hands weights on hanging nodes to their parents and leaves 0. @param weight [node_count x fields]
+/// The transposed of that: hands weights on hanging nodes to their parents and leaves 0. @param weight [node_count x
+/// fields]
 void rsv_elements_constrain_transpose(const rsv_elements *elements, size_t fields, rsv_rgb *weight);
 
 /// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
@@ -219,14 +220,15 @@ rsv_surface_point rsv_elements_node_point(
 /// The cell of coarser elements of the same faces in which a cell lies.
 uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);
 
-/// The slot of a cell of other elements of the same faces, be it that it is split there; RSV_NONE = it lies in a larger one.
+/// The slot of a cell in other elements of the same faces, even if it is split there; RSV_NONE = it is part of a larger
+/// cell.
 uint32_t rsv_elements_find_slot(const rsv_elements *other, const rsv_cell *cell);
 
 /// The very same cell of other elements of the same faces, or RSV_NONE.
 uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell);
 
-/// The node of other elements of the same faces that has the very same cells around it, or RSV_NONE: what was found
-/// over its support stands. Either may hang.
+/// The node of other elements of the same faces with exactly the same cells around it, so that results for its support
+/// remain valid; otherwise RSV_NONE. Either node may hang.
 uint32_t rsv_elements_find_twin(
     const rsv_elements *elements, uint32_t node, const rsv_elements *other);
 

@@ -1,11 +1,11 @@
-/// Steps of creating elements, and what they share.
+/// Steps of creating elements, and their common data.
 #ifndef RSV_ELEMENTS_INTERNAL_H
 #define RSV_ELEMENTS_INTERNAL_H
 
 #include "elements.h"
 #include "spacing.h"
 
-/// Nothing but what all elements of a scene share.
+/// Only the data common to all elements of a scene.
 rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
     float spacing, rsv_context *context, rsv_elements **elements);
 
@@ -24,8 +24,8 @@ rsv_status rsv_elements_split_cells(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements *finer);
 
 /// Nodes, hanging nodes and supports of finished cells.
-/// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once; where there are any,
-/// nodes are left out, as such cells are to be split
+/// @param unbalanced out, freed by the caller: cells with an edge halved more than once. If there are any, no nodes are
+/// created, because these cells must be split first
 rsv_status rsv_elements_number_nodes(
     rsv_elements *elements, uint8_t **unbalanced, bool *any_unbalanced);
 

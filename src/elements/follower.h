@@ -1,4 +1,4 @@
-/// What nodes that follow a leader mean for the cells around them.
+/// Effect of follower nodes on the cells around them.
 #ifndef RSV_FOLLOWER_H
 #define RSV_FOLLOWER_H
 

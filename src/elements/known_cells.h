@@ -1,5 +1,5 @@
-/// What is known of cells beforehand, from an earlier version of the scene (update/history.h). Elements ask before they
-/// find out by rays, or decide by what depends on the whole scene.
+/// Results known from an earlier version of the scene (update/history.h). Elements use them instead of tracing rays, or
+/// of decisions that depend on the whole scene.
 #ifndef RSV_KNOWN_CELLS_H
 #define RSV_KNOWN_CELLS_H
 

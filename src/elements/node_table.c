@@ -3,7 +3,7 @@
 
 #define LATTICE (1u << RSV_MAX_LEVEL) ///< side of the finest barycentric lattice
 
-/// Points side by side are worth their room up to so many per cell.
+/// Dense tables of points are used up to this many points per cell.
 #define MOST_POINTS_PER_CELL 8
 /// Entries that lie side by side at most: numbers of entries have 32 bits, and the rest must find room.
 #define MOST_EVEN (RSV_NONE / 8)
@@ -81,8 +81,8 @@ uint32_t rsv_node_table_find(const rsv_node_table *n, uint32_t face, rsv_lattice
 
 static uint32_t higher(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
-/// Notes how small cells are in each face and beside each edge.
-/// @param face_cells, edge_cells out: how many there are; beside an edge, in the face that has most
+/// Records how small cells are in each face and at each edge.
+/// @param face_cells, edge_cells out: number of cells; at an edge, in the face with the most
 static void measure(rsv_node_table *n, uint32_t *face_cells, uint32_t *edge_cells)
 {
     const rsv_elements *e = n->elements;
@@ -100,7 +100,7 @@ static void measure(rsv_node_table *n, uint32_t *face_cells, uint32_t *edge_cell
     }
 }
 
-/// The place for so many points; RSV_NONE where they are few among many.
+/// Reserves places for points; RSV_NONE if they are too sparse.
 static uint32_t place_points(rsv_node_table *n, size_t points, size_t cells)
 {
     size_t begin = n->even_count;
@@ -109,7 +109,7 @@ static uint32_t place_points(rsv_node_table *n, size_t points, size_t cells)
     return (uint32_t)begin;
 }
 
-/// Decides what lies side by side. @return points that are hashed, at most
+/// Decides which points are stored densely. @return maximum number of hashed points
 static size_t place_all(rsv_node_table *n, const uint32_t *face_cells, const uint32_t *edge_cells)
 {
     const rsv_elements *e = n->elements;

@@ -1,5 +1,5 @@
-/// Nodes by where they lie: on a corner of a face, on an edge, or inside. Faces that share a welded corner or edge share
-/// what lies on it. All threads fill the table at once.
+/// Nodes by position: at a corner of a face, on an edge, or inside. Faces that share a welded corner or edge share its
+/// nodes. All threads fill the table in parallel.
 #ifndef RSV_NODE_TABLE_H
 #define RSV_NODE_TABLE_H
 
@@ -25,7 +25,7 @@ typedef struct rsv_node_table {
     uint8_t *face_finest;   ///< [face_count] level of the smallest cells
     uint8_t *edge_finest;   ///< [3 face_count] by welded edge: of the faces that share it
     uint32_t *face_begin;   ///< [face_count] first of the points inside; RSV_NONE = they are hashed
-    uint32_t *edge_begin;   ///< [3 face_count] likewise
+    uint32_t *edge_begin;   ///< [3 face_count] the same for edges
     _Atomic uint32_t *even; ///< [even_count] of welded corners, then of edges and faces
     size_t even_count;
     rsv_first_map uneven;

@@ -96,7 +96,7 @@ static uint8_t judge_cell(
     }
     bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
     bool cut = find_blocked_sides(scene, at.place, blocked, rays) || any != all;
-    // something may stand on the middle of a large cell alone
+    // an object may stand in the middle of a large cell, away from its corners
     bool uncertain = cut || all || shape->size > RSV_GROWTH_TOLERANCE * shape->spacing,
          middle_covered = uncertain && rsv_is_covered(scene, shape, shape->centre);
     cut = cut || (middle_covered && !all);
@@ -130,7 +130,7 @@ typedef struct cell_search {
     _Atomic uint64_t rays;
 } cell_search;
 
-/// Openness from `earlier` or what else is known of the cell. False = it has to be judged.
+/// Openness of the cell in `earlier` or another known source. False = it must be computed.
 static bool recall_cell(const cell_search *s, uint32_t c)
 {
     uint8_t *openness = &s->e->cell_openness[c];

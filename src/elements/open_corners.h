@@ -1,8 +1,8 @@
-/// Corners of cells that lie in the open, and those that lie in or behind other geometry.
+/// Corners of cells in the open, and corners inside or behind other geometry.
 ///
-/// A floor that runs on under a wall has cells of which one corner is in the room and another in the wall. Their light
-/// is that of the room, up to the wall: what a corner in the wall stands for is seen from one in the open. So it is with
-/// corners just beyond a thin wall or floor, where what lies beyond is another room, or the sky.
+/// A floor that continues under a wall has cells with one corner in the room and another in the wall. Their light is
+/// that of the room, up to the wall: visibility for a corner in the wall is tested from a corner in the open. The same
+/// applies to corners just beyond a thin wall or floor, behind which is another room, or the sky.
 #ifndef RSV_OPEN_CORNERS_H
 #define RSV_OPEN_CORNERS_H
 
@@ -11,32 +11,33 @@
 #define RSV_CORNERS_OPEN 7u      ///< bit k: corner k of the cell lies in the open
 #define RSV_CELL_CUT 8u          ///< something stands upon the cell, or between its corners
 #define RSV_CELL_CUT_THROUGH 16u ///< what does keeps corners apart that lie in the open
-/// All of the cell lies in a gap, such as behind a picture: its light is that of the gap, and its corners are open if they
-/// see that.
+/// All of the cell is in a gap, such as behind a picture: its light is that of the gap, and corners that see the gap
+/// are open.
 #define RSV_CELL_SHELTERED 32u
-/// No corner lies in the open, but the middle does: a plate whose border is set in a frame.
+/// No corner is in the open, but the centre is: a plate whose border is inside a frame.
 #define RSV_CELL_OPEN_INSIDE 64u
-#define RSV_OPENNESS_KNOWN 128u ///< with the others, where that is not certain
+#define RSV_OPENNESS_KNOWN 128u ///< set with the others where their absence would be ambiguous
 
-/// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell and on the spacing alone, and on no random
-/// numbers of nodes: neighbours agree, and edits elsewhere change nothing.
-/// @param earlier elements of the same faces on which that was done: cells that are the same stay as they were; may be NULL
+/// Finds the openness of the corners of every cell, once, and fills `cell_openness`. It depends only on the
+/// surroundings of a cell and the spacing, not on random numbers of nodes, so neighbours agree, and edits elsewhere
+/// change nothing.
+/// @param earlier elements of the same faces with known openness: cells that are the same keep theirs; may be NULL
 rsv_status rsv_elements_find_open_corners(const rsv_transport_scene *scene,
     const rsv_elements *earlier, rsv_elements *elements, uint64_t *rays);
 
-/// Judges the corners of one cell again, whatever `cell_openness` has. @return what belongs there
+/// Computes the openness of one cell again, ignoring `cell_openness`.
 uint8_t rsv_cell_judge_again(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t cell, uint64_t *rays);
 
-/// The same for one cell, from `cell_openness` where that is filled.
+/// The openness of one cell, from `cell_openness` if that is filled.
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t cell, const rsv_cell_shape *shape, uint64_t *rays);
 
-/// A little above a place of the cell, and within the gap if it lies in one.
+/// A point slightly above a place of the cell, inside the gap if it is in one.
 rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place);
 
-/// From where the cell is seen on behalf of a corner: from above that corner if it lies in the open, or else from above
-/// another that does, or the middle. @return false if none does
+/// The point from which visibility is tested for a corner: above the corner if it is in the open, otherwise above
+/// another open corner or the centre. @return false if there is none
 bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place);
 

@@ -50,7 +50,7 @@ static bool is_mere_lamp(const rsv_transport_scene *scene, uint32_t triangle)
     return bsdf->lambert && rgb_is_black(bsdf->base_color);
 }
 
-/// Looks for what rises above a patch.
+/// Searches for geometry that rises above a patch.
 typedef struct obstacle_search {
     const rsv_transport_scene *scene;
     const patch *patch;

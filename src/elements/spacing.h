@@ -1,13 +1,13 @@
-/// How far apart elements are: alike everywhere but where a scene lies open.
+/// Distance between elements: uniform, except where a scene is open.
 ///
-/// Irradiance varies over distances like those to the surfaces that the light comes from. In a closed box of surface S no
-/// point of a wall is farther than sqrt(S) / 4 from the other walls. Ground farther than that from all that rises above it
-/// is *open*: what a body at distance d adds there falls with 1/d^2, and the curvature that linear interpolation misses
-/// with 1/d^4, so elements may grow with d^2. (Ward, Rubinstein and Clear 1988 space the records of their irradiance
-/// cache by such distances.) So is ground, however close to a fence, of whose view surfaces fill little: their light, and
-/// its curvature, is in proportion, so elements may grow with one over the root of that share. S is the surface that counts
-/// after that, or the plain around a house would take all elements.
-/// Lamps that reflect nothing have no part in this: their light is direct, and elements do not depend on where they hang.
+/// Irradiance varies over distances like those to the surfaces from which light arrives. In a closed box of surface S,
+/// no point of a wall is farther than sqrt(S) / 4 from the other walls. Ground farther than that from everything that
+/// rises above it is *open*. The effect of a body at distance d decreases with 1/d^2 there, and the curvature, which
+/// linear interpolation misses, with 1/d^4, so elements may grow with d^2. (Ward, Rubinstein and Clear 1988 space the
+/// records of their irradiance cache by such distances.) Ground is also open, however close to a fence, if surfaces
+/// fill little of its view: their light and its curvature are proportional to that fraction, so elements may grow with
+/// one over its square root. S counts surfaces after this, otherwise the plain around a house would take all elements.
+/// Lamps that reflect nothing are ignored: their light is direct, and elements do not depend on their positions.
 #ifndef RSV_SPACING_H
 #define RSV_SPACING_H
 

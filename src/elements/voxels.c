@@ -382,8 +382,8 @@ static void *lengthen(rsv_context *context, void *array, size_t count, size_t mo
     return longer;
 }
 
-/// What a voxel absorbs and scatters of even light is what a surface of this area receives: 4 V sigma. So G is symmetric in
-/// the product by area and albedo, as it is among surfaces.
+/// Area of a surface that receives as much uniform light as a voxel absorbs and scatters: 4 V sigma. G is then
+/// symmetric in the product weighted by area and albedo, as for surfaces.
 static float area_of(const rsv_elements *e, uint32_t voxel)
 {
     rsv_rgb sigma = e->scene->fog->extinction;

@@ -1,9 +1,9 @@
-/// Elements of the air: where fog scatters light. A regular grid of cells over the fog's box; walls that cut a cell divide
-/// it into *voxels*, so that light on one side of a wall is not seen on the other.
+/// Elements of the air, where fog scatters light: a regular grid of cells over the fog's box. Walls that cut a cell
+/// divide it into *voxels*, so that light on one side of a wall is not seen on the other.
 ///
-/// The nodes of voxels follow those of surfaces. What is stored at a node of a voxel is a quarter of its mean fluence,
-/// pi times the mean radiance: scattered alike to all sides, it shines as a surface of that irradiance and albedo does, with
-/// radiance albedo x E / pi, and its row has the scale of a surface's.
+/// The nodes of voxels follow those of surfaces. A node stores a quarter of the mean fluence of its voxel, which is pi
+/// times the mean radiance. With isotropic scattering, it then has the radiance albedo x E / pi, like a surface of that
+/// irradiance and albedo, and its row has the scale of a surface's.
 #ifndef RSV_VOXELS_H
 #define RSV_VOXELS_H
 
@@ -24,13 +24,14 @@ typedef struct rsv_voxels {
     rsv_vec3 *place;       ///< in voxels of cells that are cut, evenly distributed
 } rsv_voxels;
 
-/// A grid over the scene's fog, whose box is finite. @param target cells wanted @param rays gets how many were traced
+/// A grid over the scene's fog, whose box is finite. @param target approximate number of cells @param rays out: rays
+/// traced
 rsv_status rsv_voxels_create(
     const rsv_transport_scene *scene, size_t target, uint64_t *rays, rsv_voxels **voxels);
 void rsv_voxels_destroy(rsv_voxels *voxels); ///< NULL is allowed
 
-/// Completes voxels of which grid, `begin`, `points`, `place_begin` and `place` were kept. RSV_ERROR_FORMAT if they do not fit
-/// each other.
+/// Completes voxels of which grid, `begin`, `points`, `place_begin` and `place` were kept. RSV_ERROR_FORMAT if they do
+/// not fit each other.
 rsv_status rsv_voxels_restore(rsv_voxels *voxels);
 
 /// Adds the nodes of voxels to elements without any, which take them over, even on failure.
@@ -67,7 +68,8 @@ void rsv_voxels_walk_cells(const rsv_voxels *voxels, const rsv_ray *ray, const d
 /// A piece of a ray within one voxel. @param begin, end metres along the ray
 typedef void (*rsv_voxel_visitor)(void *user, uint32_t voxel, double begin, double end);
 
-/// Visits the voxels along a ray between two distances, in order. @param ray of unit direction, free of surfaces in between
+/// Visits the voxels along a ray between two distances, in order. @param ray of unit direction, free of surfaces in
+/// between
 void rsv_voxels_walk(const rsv_voxels *voxels, const rsv_tracer *tracer, const rsv_ray *ray,
     const double range[2], rsv_voxel_visitor visit, void *user);
 

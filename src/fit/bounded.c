@@ -18,7 +18,7 @@ typedef struct newton {
     double *error;    ///< [rows]
     double *gradient; ///< [columns]
     double *hessian;  ///< [columns][columns]
-    double *factor;   ///< likewise: Cholesky's
+    double *factor;   ///< Cholesky factor
     double *step;     ///< [columns]
     double ridge;     ///< added to the diagonal
     size_t *free;     ///< [columns] those not held by a bound
@@ -109,7 +109,7 @@ static void find_step(const newton *n, double damping)
             double sum = n->hessian[n->free[i] * columns + n->free[j]] + (i == j ? damping : 0);
             for (size_t k = 0; k < j; k++)
                 sum -= l[i * columns + k] * l[j * columns + k];
-            // rounding may take what is left below 0
+            // rounding may make the remainder negative
             l[i * columns + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / l[j * columns + j];
         }
         double sum = -n->gradient[n->free[i]];

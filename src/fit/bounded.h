@@ -4,7 +4,7 @@
 
 #include "../core/core.h"
 
-/// minimise 1/2 sum_i w_i e_i^2 + cost . x over low <= x <= high, e = A x - b, or what of that is negative
+/// minimise 1/2 sum_i w_i e_i^2 + cost . x over low <= x <= high, with e = A x - b, or only its negative part
 typedef struct rsv_bounded {
     rsv_context *context;
     size_t rows, columns;
@@ -12,7 +12,7 @@ typedef struct rsv_bounded {
     const double *b, *weight; ///< [rows]
     const double *cost;       ///< [columns]
     const double *low, *high; ///< [columns]
-    bool one_sided;           ///< only what is below b is wrong
+    bool one_sided;           ///< only values below b are errors
 } rsv_bounded;
 
 typedef struct rsv_bounded_report {

@@ -21,9 +21,9 @@ struct rsv_fit {
     rsv_rgb *wanted;  ///< [count]
     double *weight;   ///< [count]
     double *lumens;   ///< [responses->count]
-    bool *kept;       ///< likewise
-    rsv_rgb *factor;  ///< likewise
-    double mean;      ///< of what is wanted
+    bool *kept;       ///< [light_count]
+    rsv_rgb *factor;  ///< [light_count]
+    double mean;      ///< of the targets
     rsv_fit_report report;
 };
 
@@ -164,7 +164,7 @@ rsv_rgb rsv_fit_reading(const rsv_fit *f, size_t index)
     return f->desc.colors ? sum : rgb((float)part_of(sum, 3), 0, 0);
 }
 
-/// What is wrong with a reading.
+/// Error of a reading.
 static double error_of(const rsv_fit *f, size_t index, int channel)
 {
     rsv_rgb reading = rsv_fit_reading(f, index);

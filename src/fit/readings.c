@@ -29,7 +29,7 @@ static rsv_probe_job job_of_light(const readings *r, size_t light)
     return job;
 }
 
-/// What all lights give one point, by rays that they share.
+/// Light from all lights at one point, by shared rays.
 static void read_ends(
     const readings *r, size_t point, const rsv_probe_end *end, size_t ends, rsv_rgb *reading)
 {

@@ -1,4 +1,4 @@
-/// What each light by itself gives each of many receivers.
+/// Light from each light at each of many receivers.
 #ifndef RSV_FIT_READINGS_H
 #define RSV_FIT_READINGS_H
 

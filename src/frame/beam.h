@@ -1,12 +1,12 @@
-/// Beams: what all camera rays of a part of a picture may meet, found at once.
+/// Beams: the triangles that all camera rays of a part of a picture may hit, found at once.
 ///
-/// The rays of a few hundred neighbouring pixels mostly meet the same few triangles. A beam walks the hierarchy of
-/// ../bvh once for all of them, with the pyramid that holds them, and lists the triangles in it that nothing hides; packets
-/// are then tested against these alone. Where a beam would meet more than a few, where surfaces are cut out, with
-/// orthographic cameras, and once triangles move (rsv_tracer_set_apart), packets are traced as any others.
+/// The rays of a few hundred neighbouring pixels mostly hit the same few triangles. A beam, the pyramid around these
+/// rays, traverses the hierarchy of ../bvh once for all of them, and lists the triangles in it that are not hidden.
+/// Packets are then tested only against these. If a beam finds too many, and with cut-out surfaces, orthographic
+/// cameras, and once triangles move (rsv_tracer_set_apart), packets are traced in the usual way.
 ///
-/// What rays meet is what the ray tracer finds, but for rounding: the test is that of Embree's robust mode, with sides of
-/// edges that are exact opposites for the two triangles at an edge, and open by more than rounding (Davidovic, Engelhardt,
+/// Hits are those of the ray tracer, up to rounding: the test is that of Embree's robust mode, with edge functions that
+/// are exact opposites for the two triangles at an edge, and tolerances larger than rounding (Davidovic, Engelhardt,
 /// Georgiev, Slusallek and Dachsbacher, "3D Rasterization: A Bridge between Rasterization and Ray Casting", 2012).
 #ifndef RSV_BEAM_H
 #define RSV_BEAM_H
@@ -17,7 +17,8 @@
 /// Triangles of a beam at most.
 #define RSV_BEAM_TRIANGLES 32
 
-/// A triangle seen from the eye. Its corners weigh as side[k] . direction for a ray that meets it, all of them positive.
+/// A triangle seen from the eye. Its corners weigh as side[k] . direction for a ray that meets it, all of them
+/// positive.
 typedef struct rsv_beam_triangle {
     float side[3][3]; ///< normals of planes through the eye and the edge opposite corner k, inwards
     float normal[3];  ///< of its own plane, away from the eye
@@ -30,7 +31,8 @@ typedef struct rsv_beam_triangle {
 typedef struct rsv_beam {
     uint32_t count;
     rsv_beam_triangle of[RSV_BEAM_TRIANGLES]; ///< [count]
-    /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the last, as Embree's do.
+    /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the last, as Embree's
+    /// do.
     uint8_t order[RSV_BEAM_TRIANGLES];
     const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
 } rsv_beam;
@@ -45,7 +47,7 @@ typedef struct rsv_beam_lens {
 
 rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens);
 
-/// What beams go through. They hold until triangles move.
+/// Data for beams. Valid until triangles move.
 typedef struct rsv_beams {
     const rsv_tracer *tracer;
     rsv_bvh_view bvh;
@@ -55,7 +57,7 @@ typedef struct rsv_beams {
 /// Has the tracer's hierarchy built, a second or so per million triangles, unless there are too many of them.
 rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams);
 
-/// To be called ahead of every frame.
+/// Call it before every frame.
 void rsv_beams_refresh(rsv_beams *beams, const rsv_tracer *tracer);
 
 #endif

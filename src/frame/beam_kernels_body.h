@@ -113,7 +113,7 @@ static inline bool lies_beside(const beam_search *s, const rsv_bvh_triangle *t)
     return false;
 }
 
-/// Takes out what lies behind the farthest depth that may be seen.
+/// Removes triangles behind the farthest visible depth.
 static inline void drop_hidden(beam_search *s)
 {
     uint32_t kept = 0;
@@ -280,7 +280,8 @@ static bool gather_beam(const rsv_beams *beams, const rsv_beam_lens *lens, const
 
 // ---- packets ------------------------------------------------------------------------------------
 
-/// What the triangle's corners weigh, after the least of the three with their slacks. @return whether any lane may meet it
+/// Weights of the triangle's corners, after the smallest of the three with their tolerances. @return whether any lane
+/// may hit it
 static inline bool weigh_corners(const rsv_beam_triangle *restrict t,
     const rsv_ray_packet *restrict p, float (*restrict weight)[LANES])
 {
@@ -299,7 +300,7 @@ static inline bool weigh_corners(const rsv_beam_triangle *restrict t,
     return met;
 }
 
-/// A lane's bits, of whatever kind: choices between floats in memory are compiled to branches.
+/// A lane's bits, of any type: selections between floats in memory would be compiled to branches.
 typedef uint32_t __attribute__((may_alias)) lane_word;
 
 /// @param where all bits, or none

@@ -11,10 +11,10 @@
 #define REACH 4
 #define MOST_AROUND 1024
 
-/// What is taken off for rounding.
+/// Margin for rounding.
 #define MARGIN 0.01f
 
-/// A triangle and what was found around it.
+/// A triangle and its surroundings.
 typedef struct survey {
     const rsv_scene_view *view;
     rsv_vec3 corner[3], middle, normal;
@@ -57,7 +57,7 @@ static float cosine_towards(const survey *s, const neighbour *n, rsv_vec3 normal
 {
     float height = most_height(n->corner, s->corner[0], normal);
     if (height <= s->slack) return 0;
-    // all of the triangle before the neighbour's plane: its points see no more than what lies behind that
+    // all of the triangle is in front of the neighbour's plane: its points only see what is behind that
     float along = v3_dot(n->normal, normal);
     rsv_vec3 facing = along < 0 ? v3_neg(n->normal) : n->normal;
     if (fabsf(along) >= 0.5f && least_height(s->corner, n->corner[0], facing) >= -0.5f * s->slack)

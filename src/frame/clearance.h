@@ -1,8 +1,8 @@
-/// How far specular paths that leave a curved surface surely meet nothing.
+/// Distances within which specular paths that leave a curved surface certainly hit nothing.
 ///
-/// A ray that leaves a finely divided surface starts amid its neighbours' boxes, all of which the ray tracer looks into: a
-/// third of what specular paths through glass spheres cost. But what lies around a triangle rises above its plane by some angle at
-/// most, and rays that are steeper get by.
+/// A ray that leaves a finely divided surface starts among its neighbours' boxes, all of which the ray tracer enters.
+/// This is a third of the cost of specular paths through glass spheres. But the surroundings of a triangle rise above
+/// its plane by at most some angle, and steeper rays miss them.
 #ifndef RSV_CLEARANCE_H
 #define RSV_CLEARANCE_H
 
@@ -27,7 +27,7 @@ typedef struct rsv_clearances {
     bool holds; ///< nothing has been set apart to move
 } rsv_clearances;
 
-/// @param wanted false = nothing is to be known
+/// @param wanted false = clearances are not needed
 rsv_status rsv_clearances_create(rsv_context *context, const struct rsv_specular_media *media,
     bool wanted, rsv_clearances *clearances);
 void rsv_clearances_destroy(rsv_clearances *clearances);
@@ -41,7 +41,7 @@ RSV_INLINE const rsv_clearance *rsv_clearance_of(const rsv_clearances *c, uint32
     return &c->of[k < c->count ? k : c->count];
 }
 
-/// Least distance of what a ray may meet. @param cosine between its direction and the triangle's normal on that side
+/// Minimum distance of a ray's hit. @param cosine between its direction and the triangle's normal on that side
 RSV_INLINE float rsv_clear_distance(const rsv_clearance *c, bool back, float cosine)
 {
     return cosine > c->cosine[back] ? c->reach : 0;

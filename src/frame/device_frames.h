@@ -1,4 +1,4 @@
-/// Frames on a device: what a plug-in gets of a solved scene, and what it offers.
+/// Frames on a device: interface of the plug-in.
 #ifndef RSV_DEVICE_FRAMES_H
 #define RSV_DEVICE_FRAMES_H
 
@@ -26,7 +26,7 @@ typedef struct rsv_device_stage {
     uint32_t width, height, eyes, path_depth, seed; ///< as in rsv_frame_desc
 } rsv_device_stage;
 
-/// What is shown on it.
+/// The displayed light.
 typedef struct rsv_device_light {
     const rsv_light_cell *cell;  ///< [cell_count]
     const rsv_scene_view *scene; ///< the stage's, for its materials as they are now
@@ -47,12 +47,12 @@ typedef struct rsv_device_eye {
 
 typedef struct rsv_device_frames rsv_device_frames;
 
-/// Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and what should have come out undefined.
+/// Failures set `message` [RSV_DEVICE_MESSAGE_BYTES] and leave results undefined.
 typedef struct rsv_device_frames_table {
     rsv_status (*create)(rsv_device *device, const rsv_device_stage *stage,
         rsv_device_frames **frames, char *message);
     void (*destroy)(rsv_device_frames *frames);
-    /// To be called before the first frame, and when the light has changed.
+    /// Called before the first frame, and when the light has changed.
     rsv_status (*set_light)(
         rsv_device_frames *frames, const rsv_device_light *light, char *message);
     /// Adds one sample to each pixel and shows the sums. @param eye [eyes] @param path_rays out

@@ -25,7 +25,7 @@ static rsv_rgb plain_irradiance(const diffuse_end *e)
     return rgb_add(rgb_add(kept, indirect), sampled(e, all, kept));
 }
 
-/// Of a translucent surface: what its diffused level does not resolve is sampled.
+/// For translucent surfaces: samples the light that the diffused level does not resolve.
 static rsv_rgb diffused_irradiance(const diffuse_end *e)
 {
     const rsv_light_view *s = e->solution;

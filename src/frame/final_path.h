@@ -1,4 +1,5 @@
-/// Whole camera paths of frames at rest that end as those of mode final do: with direct light sampled at diffuse surfaces.
+/// Whole camera paths of frames at rest that end as those of mode final do: with direct light sampled at diffuse
+/// surfaces.
 #ifndef RSV_FINAL_PATH_H
 #define RSV_FINAL_PATH_H
 

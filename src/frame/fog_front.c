@@ -62,7 +62,7 @@ void rsv_fog_shine_destroy(rsv_fog_shine *shine)
     rsv_free(shine->solution->context, shine->radiance);
 }
 
-/// @param layer 0 = what is emitted, RSV_NONE = all
+/// @param layer 0 = emission, RSV_NONE = all
 static rsv_rgb radiance_of(const rsv_light_view *s, uint32_t node, uint32_t layer)
 {
     rsv_rgb glow = rsv_fog_glow(s->scene.view->fog);
@@ -89,7 +89,8 @@ void rsv_fog_shine_refresh(rsv_fog_shine *shine, uint32_t layer)
         rsv_parallel_for(s->context, s->elements->voxels->count, 0, refresh_voxels, shine);
 }
 
-/// exp(-x) for x >= 0, to 3e-6 of itself: a power of two, and a Taylor series about the middle of what is left.
+/// exp(-x) for x >= 0, with a relative error of 3e-6: a power of two, and a Taylor series around the middle of the
+/// remainder.
 static float dimmed(float x)
 {
     float power = f_max(-1.44269504f * x, -126), whole = floorf(power);
@@ -147,7 +148,7 @@ void rsv_fog_front_begin(rsv_fog_front *front, const rsv_fog_shine *shine, const
     front->step = step_for(width, height);
     front->across = columns_over(width, front->step);
     front->down = columns_over(height, front->step);
-    // rays of an orthographic camera begin beside it
+    // rays of an orthographic camera start beside it
     float aside = camera->vertical_fov == 0
                       ? camera->vertical_extent * f_max(1, (float)width / (float)height)
                       : 0;
@@ -256,7 +257,7 @@ static void walk(column_walk *w)
 rsv_rgb rsv_fog_shine_along(const rsv_fog_shine *shine, const rsv_ray *ray, rsv_rgb *passed)
 {
     column_walk w = walk_along(shine, ray);
-    w.next = RSV_FOG_SLICES + 1; // none is asked for
+    w.next = RSV_FOG_SLICES + 1; // no slice is needed
     walk(&w);
     *passed = w.passed;
     return w.sum;

@@ -1,8 +1,9 @@
-/// Fog in frames: what it shows and takes between the eye and what camera rays meet, on a grid of columns and slices before
-/// the eye (froxels; Wronski 2014), from which pixels interpolate.
+/// Fog in frames: its light and transmittance between the eye and the hits of camera rays, on a grid of columns and
+/// slices in front of the eye (froxels; Wronski 2014), from which pixels interpolate.
 ///
-/// A column is a ray through every few pixels. Along it, light of voxels is integrated in closed form up to each slice, as
-/// mode operator does for every camera ray. In cells that walls cut, the voxel is that of the nearest of 4 x 4 x 4 places.
+/// A column is a ray through every few pixels. Along it, light of voxels is integrated in closed form up to each slice,
+/// as mode operator does for every camera ray. In cells that walls cut, the voxel is that of the nearest of 4 x 4 x 4
+/// points.
 #ifndef RSV_FOG_FRONT_H
 #define RSV_FOG_FRONT_H
 
@@ -27,10 +28,10 @@ void rsv_fog_shine_destroy(rsv_fog_shine *shine);
 /// After the light or the layer has changed.
 void rsv_fog_shine_refresh(rsv_fog_shine *shine, uint32_t layer);
 
-/// Radiance that fog shows along a ray up to its t_max. @param passed out: what it lets pass
+/// Radiance of fog along a ray up to its t_max. @param passed out: transmittance
 rsv_rgb rsv_fog_shine_along(const rsv_fog_shine *shine, const rsv_ray *ray, rsv_rgb *passed);
 
-/// What fog shows up to a slice, and how much of it there is.
+/// Light of fog up to a slice, and its amount.
 typedef struct rsv_fog_slice {
     float radiance[3];
     float column; ///< metres, rsv_fog_run.column
@@ -56,7 +57,7 @@ void rsv_fog_front_begin(rsv_fog_front *front, const rsv_fog_shine *shine, const
 void rsv_fog_front_fill(
     const rsv_fog_front *front, const rsv_fog_shine *shine, const rsv_lens *lens, uint32_t row);
 
-/// Puts the fog before what a pixel shows. @param x, y place in the picture, pixels @param distance INFINITY = nothing is met
+/// Adds the fog in front of a pixel. @param x, y position in the picture, pixels @param distance INFINITY = no hit
 /// @param radiance in and out
 void rsv_fog_front_add(const rsv_fog_front *front, const rsv_fog_shine *shine, const float place[2],
     float distance, float radiance[4]);

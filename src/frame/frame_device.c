@@ -13,10 +13,10 @@ struct rsv_frame_device {
     const rsv_device_frames_table *device;
     rsv_device_frames *frames; ///< NULL = it has failed
     bool dim;                  ///< the table's light is not there yet
-    bool fresh[RSV_MAX_EYES];  ///< codes that nobody has fetched yet
+    bool fresh[RSV_MAX_EYES];  ///< pictures that have not been fetched yet
 };
 
-// ---- what can be shown --------------------------------------------------------------------------
+// ---- support -------------------------------------------------------------------------------------
 
 /// Notes why not.
 static bool can_show(const rsv_light_view *s, const rsv_frame_desc *desc)

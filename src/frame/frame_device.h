@@ -1,5 +1,5 @@
-/// Frames made by the context's device, as long as that lasts. What it cannot do the caller does (core/device.h says
-/// who hears of it).
+/// Frames on the context's device, as long as it works. The caller does what it cannot do (core/device.h describes how
+/// failures are reported).
 #ifndef RSV_FRAME_DEVICE_H
 #define RSV_FRAME_DEVICE_H
 

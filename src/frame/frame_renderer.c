@@ -12,7 +12,7 @@
 /// Places within pixels that frames of a moving camera take in turn.
 #define HISTORY_PLACES 16
 
-/// Camera rays per triangle that repay a hierarchy for beams, and what rays of specular paths are clear of.
+/// Camera rays per triangle that make a hierarchy for beams, and clearances, worthwhile.
 #define BEAM_RAYS 64
 #define CLEARANCE_RAYS 256
 
@@ -168,7 +168,7 @@ static void set_tiling(rsv_frame_renderer *r)
     set_size(r, r->desc.width, r->desc.height);
 }
 
-/// Devices shade every pixel by its own path, by a table that tells no glossy surfaces apart.
+/// Devices shade every pixel by its own path, with a table that does not mark glossy surfaces.
 static rsv_status create_table(rsv_frame_renderer *r)
 {
     const rsv_light_view *s = r->solution;
@@ -188,7 +188,7 @@ static double rays_expected(const rsv_frame_renderer *r)
     return r->desc.frames > 0 ? r->desc.frames * pixels / fmax(triangles, 1) : INFINITY;
 }
 
-/// What makes rays faster, where there are enough of them to repay it.
+/// Creates data that makes rays faster, if there are enough of them.
 static rsv_status create_shortcuts(rsv_frame_renderer *r)
 {
     double rays = rays_expected(r);
@@ -269,8 +269,8 @@ static bool same_view(const rsv_camera *a, const rsv_camera *b)
            a->vertical_fov == b->vertical_fov && a->vertical_extent == b->vertical_extent;
 }
 
-/// Of a number that is known, samples are spread better than of one that is not: each in a stratum of its own. Reused gloss
-/// and devices know one place for all pixels.
+/// If the number of samples is known, they are spread better, each in its own stratum. Reused gloss and devices use one
+/// position for all pixels.
 static void place_sample(const rsv_frame_renderer *r, uint32_t sample, rsv_frame_aim *aim)
 {
     uint32_t count = r->desc.frames;
@@ -318,7 +318,7 @@ static void begin_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
         begin_eye(r, &r->eye[k], view, k);
 }
 
-/// Not where camera rays are traced alone: history goes from one shown frame to the next.
+/// Not if only camera rays are traced: the history goes from one displayed frame to the next.
 static void begin_cells(rsv_frame_renderer *r)
 {
     for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
@@ -474,7 +474,7 @@ static void finish_gloss(rsv_frame_renderer *r)
     }
 }
 
-/// Shows frames of a moving camera, together with what was shown before.
+/// Displays frames of a moving camera, combined with the history.
 static void finish_history(rsv_frame_renderer *r)
 {
     if (!reuses_gloss(r)) return;
@@ -483,7 +483,7 @@ static void finish_history(rsv_frame_renderer *r)
         r->eye[k].history.keep = 1;
 }
 
-/// What tiles at rest tell each other.
+/// Shares data among tiles at rest.
 static void share_rest(rsv_frame_renderer *r)
 {
     uint32_t across = r->tiling.across, down = r->tiling.tile_count / across;
@@ -548,7 +548,7 @@ double rsv_frame_trace_only(rsv_frame_renderer *r, const rsv_frame_view *view)
     return rsv_seconds() - start;
 }
 
-/// Forgets a share of what frames before have shown and found: the light has changed by so much.
+/// Discards a part of the results of earlier frames, after a change of light.
 static void forget(rsv_frame_renderer *r, float change)
 {
     for (uint32_t k = 0; k < r->desc.eyes; k++) {

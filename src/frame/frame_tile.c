@@ -88,7 +88,7 @@ static void begin_paths(const tile *t, uint32_t column, uint32_t row, uint32_t s
     rsv_specular_queue_arrive(&w->queue, &arrival, lanes);
 }
 
-/// In fog, paths are followed one by one: the queue knows clear air alone.
+/// In fog, paths are followed one by one, because the queue supports only clear air.
 static void follow_in_fog(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
     rsv_tile_worker *w = t->worker;
@@ -114,7 +114,7 @@ static void follow_in_fog(const tile *t, uint32_t column, uint32_t row, uint32_t
     }
 }
 
-/// Puts the fog before what the pixels show.
+/// Adds the fog in front of the pixels.
 static void add_fog(const tile *t)
 {
     rsv_tile_worker *w = t->worker;
@@ -130,7 +130,7 @@ static void add_fog(const tile *t)
         }
 }
 
-/// Puts the object before what a block shows, and its shadow on it.
+/// Draws the object in front of a block, and its shadow.
 static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
     rsv_tile_worker *w = t->worker;
@@ -155,7 +155,7 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
     w->begins[stage] &= ~met;
 }
 
-/// What all rays of the tile meet, unless it is too much.
+/// Finds the triangles that all rays of the tile may hit, unless there are too many.
 static void gather_beam(tile *t)
 {
     const rsv_tiling *tiling = t->tiling;
@@ -239,7 +239,7 @@ static void follow_whole(const tile *t, uint32_t pixel, uint32_t stage, uint32_t
     light->radiance = w->radiance;
 }
 
-/// At rest, some pixels of a block take whole paths, where the table does not have all that they show.
+/// At rest, some pixels of a block take whole paths, if the table does not have all of their light.
 static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
     rsv_tile_worker *w = t->worker;
@@ -258,7 +258,7 @@ static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t st
     }
 }
 
-/// Notes how far away it is what a block's rays met.
+/// Records the distances of a block's hits.
 static void note_depths(const rsv_ray_packet *p, float *depth)
 {
     for (int k = 0; k < RSV_PACKET_WIDTH; k++)
@@ -314,7 +314,7 @@ static uint8_t (*shown_row(const tile *t, uint32_t row))[4]
     return t->eye->pixel + (size_t)(t->row + row) * t->tiling->width + t->column;
 }
 
-/// Asks the memory for what display will write: rows of a picture are far apart.
+/// Prefetches memory that display will write: rows of a picture are far apart.
 static void approach_pixels(const tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++) {
@@ -336,7 +336,7 @@ static float (*history_row(const rsv_frame_history *h, uint32_t column, uint32_t
     return h->shown + rsv_history_place(h, column, row);
 }
 
-/// Mean of the samples of a tile, corrected by what whole paths have found.
+/// Mean of the samples of a tile, corrected by whole paths.
 static void find_mean(const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
 {
     const float(*sum)[4] = (const float(*)[4])eye->sum + (size_t)index * RSV_TILE_PIXELS;
@@ -382,7 +382,7 @@ static void leave_history(const tile *t, uint32_t line, float (*radiance)[4])
     }
 }
 
-/// Shows a tile at rest, corrected by what whole paths have found so far.
+/// Displays a tile at rest, corrected by whole paths so far.
 static void display_resting(const tile *t, uint32_t index)
 {
     rsv_tile_worker *w = t->worker;
@@ -428,7 +428,7 @@ static void begin_whole(const tile *t, uint32_t index)
     if (!t->tiling->mover) t->worker->whole = &eye->whole[index];
 }
 
-/// Leaves to rsv_tile_recall what the pixels show, and how far away that is.
+/// Leaves the light and distances of the pixels to rsv_tile_recall.
 static void leave_samples(const tile *t)
 {
     const rsv_frame_history *h = &t->eye->history;
@@ -438,7 +438,7 @@ static void leave_samples(const tile *t)
             t->worker->depth + y * RSV_TILE, RSV_TILE * sizeof *h->depth);
 }
 
-/// Leaves the lobes of a tile to be lit, and what is known without. @return whether there are any
+/// Leaves the lobes of a tile to be lit, with the other light. @return whether there are any
 static bool leave_gloss(const tile *t, uint32_t index)
 {
     rsv_tile_worker *w = t->worker;

@@ -1,4 +1,4 @@
-/// Tiles of a picture: what one thread renders at a time.
+/// Tiles of a picture: the units of work of threads.
 #ifndef RSV_FRAME_TILE_H
 #define RSV_FRAME_TILE_H
 
@@ -10,7 +10,7 @@
 
 #define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
 
-/// What one thread works with.
+/// Data of one thread.
 typedef struct rsv_tile_worker {
     _Alignas(64) float radiance[RSV_TILE_PIXELS][4];
     rsv_ray_packet packet[RSV_STAGES]; ///< of the last blocks
@@ -28,7 +28,7 @@ typedef struct rsv_tile_worker {
     rsv_resting_paths *whole; ///< of the tile in hand; NULL = none
     rsv_resting_tile *resting;
     float depth
-        [RSV_TILE_PIXELS]; ///< metres to what camera rays met, where fog or the history asks for it
+        [RSV_TILE_PIXELS]; ///< metres to the hits of camera rays, if fog or the history needs them
     float carried[RSV_TILE_PIXELS]; ///< see rsv_specular_light
     rsv_history_window window;
     double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
@@ -37,7 +37,7 @@ typedef struct rsv_tile_worker {
 /// One eye's picture.
 typedef struct rsv_eye_picture {
     float (*base)
-        [4]; ///< [tiles][RSV_TILE_PIXELS] radiance of glossy tiles without their lobes; NULL likewise
+        [4]; ///< [tiles][RSV_TILE_PIXELS] radiance of glossy tiles without their lobes; may be NULL
     float (*sum)[4];           ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
     uint8_t (*pixel)[4];       ///< [height * width]
     uint32_t samples;          ///< in the sums
@@ -45,10 +45,10 @@ typedef struct rsv_eye_picture {
     rsv_glossy_cells cells;
     rsv_glossy_pixels *lobes;  ///< [tile_count] of this frame; NULL = paths follow rough lobes
     uint8_t *glossy;           ///< [tile_count] whether a tile has any
-    rsv_resting_paths *whole;  ///< [tile_count] whole paths of this frame; NULL likewise
-    rsv_resting_tile *resting; ///< [tile_count] of frames at rest from the second on; NULL likewise
+    rsv_resting_paths *whole;  ///< [tile_count] whole paths of this frame; may be NULL
+    rsv_resting_tile *resting; ///< [tile_count] of frames at rest from the second on; may be NULL
     rsv_resting_node *squares; ///< [2 * tile_count + 64] room for rsv_resting_share
-    rsv_resting_given *given;  ///< likewise
+    rsv_resting_given *given;  ///< may be NULL
     rsv_camera camera;         ///< that they are of
     // of the frame in the making
     rsv_frame_aim aim;
@@ -60,7 +60,7 @@ typedef struct rsv_eye_picture {
     rsv_fog_front fog; ///< before it; slice NULL = the air is clear
 } rsv_eye_picture;
 
-/// What all tiles have in common.
+/// Data common to all tiles.
 typedef struct rsv_tiling {
     const rsv_light_view *solution;
     const rsv_light_table *table;
@@ -100,11 +100,11 @@ void rsv_tile_shown(
 void rsv_tile_finish(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 
-/// Once all tiles have their samples: adds them to what was shown before, and shows it.
+/// After all tiles have their samples: combines them with earlier frames, and displays the result.
 void rsv_tile_recall(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 
-/// Traces the camera rays alone.
+/// Traces only the camera rays.
 void rsv_tile_trace_only(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 

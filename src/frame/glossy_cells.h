@@ -1,8 +1,8 @@
-/// Light on rough lobes from frame to frame: one cell for 2x2 pixels, all numbers in planes of their own.
+/// Light on rough lobes from frame to frame: one cell for 2x2 pixels, with each quantity in a separate plane.
 ///
-/// Some cells of a frame send a ray each (glossy_rays.h). Each cell takes the samples of its neighbours on the same surface
-/// and what was kept where it lay in the frame before; cells that have few samples by then look further around. What is
-/// kept is radiance divided by the albedo of the lobes, so that it is as smooth as the light.
+/// Some cells of a frame trace one ray each (glossy_rays.h). Each cell takes the samples of its neighbours on the same
+/// surface, and those stored at its position in the previous frame. Cells that then have few samples search further
+/// around. The stored quantity is radiance divided by the albedo of the lobes, which is as smooth as the light.
 #ifndef RSV_GLOSSY_CELLS_H
 #define RSV_GLOSSY_CELLS_H
 
@@ -35,7 +35,7 @@ typedef struct rsv_glossy_cells {
     rsv_glossy_light kept, kept_before;
     rsv_glossy_light shown; ///< r, g, b
     rsv_lens lens, lens_before;
-    uint32_t frame;     ///< number of frames so far: what is drawn follows from it
+    uint32_t frame;     ///< number of frames so far, which seeds random numbers
     uint32_t poor_turn; ///< frames until a cell of few samples sends a ray again
     float keep;         ///< share of the samples of the frame before that still count
     float most;         ///< samples that count at most
@@ -57,16 +57,16 @@ rsv_status rsv_glossy_cells_create(
 void rsv_glossy_cells_resize(rsv_glossy_cells *cells, uint32_t width, uint32_t height);
 void rsv_glossy_cells_destroy(rsv_glossy_cells *cells);
 
-/// Before a frame: what was `now` is `before`. @param rests the camera stays where it was
+/// Before a frame: makes `now` the `before`. @param rests the camera has not moved
 void rsv_glossy_cells_begin(rsv_glossy_cells *cells, const rsv_lens *lens, bool rests);
 
-/// Samples below which a cell is poor: it has no neighbours alike, and was not seen before.
+/// Samples below which a cell is poor: it has no similar neighbours, and was not visible before.
 #define RSV_GLOSSY_POOR 3.0f
 
 /// After a frame: poor cells take turns as often as a frame can afford. @param poor number of them
 void rsv_glossy_cells_pace(rsv_glossy_cells *cells, uint64_t poor);
 
-/// Forgets a share of what is kept: the light has changed by so much. @param change 0 = not at all .. 1
+/// Discards a part of the stored light after a change of light. @param change 0 = none .. 1
 void rsv_glossy_cells_forget(rsv_glossy_cells *cells, float change);
 
 /// Pixel of a cell that stands for it, in this frame: column + 2 * row. The next ones stand in for it.

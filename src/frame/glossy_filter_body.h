@@ -1,7 +1,7 @@
 /// Cells and their neighbours, sixteen side by side (glossy_cells.h), included by packet_kernels_body.h.
 #include "glossy_cells.h"
 
-// ---- what tiles bring ---------------------------------------------------------------------------
+// ---- input from tiles ----------------------------------------------------------------------------
 
 static inline bool any_positive(const float *restrict x)
 {
@@ -132,8 +132,8 @@ static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels 
 typedef struct cell_lanes {
     float x[LANES], y[LANES], z[LANES], depth[LANES], nx[LANES], ny[LANES], nz[LANES], alpha[LANES];
     float sharp[LANES];                ///< how quickly neighbours count less by their normals
-    float near[LANES];                 ///< likewise by their place in the picture
-    float closer[LANES], width[LANES]; ///< likewise by their depth and by the width of their lobes
+    float near[LANES];                 ///< weights by position in the picture
+    float closer[LANES], width[LANES]; ///< weights by depth, and by the width of their lobes
 } __attribute__((aligned(64))) cell_lanes;
 
 static inline void load_cells(
@@ -169,7 +169,7 @@ static inline void weigh(const cell_lanes *restrict c, const rsv_glossy_geometry
     }
 }
 
-/// The same of any neighbour at about that depth, little, for cells that find none alike.
+/// The same for any neighbour at a similar depth, with a small weight, for cells without similar ones.
 static inline void weigh_any(
     const cell_lanes *restrict c, const rsv_glossy_geometry *g, size_t at, float *restrict weight)
 {
@@ -289,7 +289,7 @@ static inline void gather_plane(const float *plane, const int *restrict index, f
     gather(plane, index, to);
 }
 
-/// How much a cell of the frame before tells of these. @param index of it @param weight in and out
+/// Weight of a cell of the previous frame for these. @param index of it @param weight in and out
 static inline void check_before(const rsv_glossy_geometry *g, const cell_lanes *restrict c,
     const int *restrict index, float *restrict weight)
 {
@@ -330,7 +330,7 @@ static inline void add_before(const rsv_glossy_light *l, const int *restrict ind
     }
 }
 
-/// Means of what was kept where cells lay before, and how many samples that is.
+/// Means stored at the cells' previous positions, and their number of samples.
 static inline void recall(const rsv_glossy_cells *cells, const cell_lanes *restrict c,
     const picture_lanes *restrict place, light_lanes *restrict mean)
 {
@@ -426,7 +426,7 @@ static inline bool all_enough(const float *restrict count, const float *restrict
     return !few;
 }
 
-/// What sixteen cells show: those of few samples look around.
+/// Light of sixteen cells: those with few samples search around.
 static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_t row)
 {
     _Alignas(64) float weight[LANES];
@@ -463,7 +463,7 @@ static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_
 
 // ---- back to pixels -----------------------------------------------------------------------------
 
-/// Sixteen pixels, and what they take from cells.
+/// Sixteen pixels, and the light they take from cells.
 typedef struct pixel_lanes {
     float depth[LANES], closer[LANES], nx[LANES], ny[LANES], nz[LANES];
     float r[LANES], g[LANES], b[LANES], weight[LANES];

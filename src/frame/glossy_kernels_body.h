@@ -1,14 +1,14 @@
 /// Sixteen pixels of glossy surfaces, included by packet_kernels_body.h.
 #include "texture_kernels_body.h"
 
-/// What a packet's rays met: materials, and normals to be shaded with.
+/// Hits of a packet's rays: materials, and shading normals.
 typedef struct glossy_lanes {
     int material[LANES];
     rsv_lanes3 normal;
     float cos[LANES];
 } __attribute__((aligned(64))) glossy_lanes;
 
-/// Triangles of the lanes that are asked for, and of one of them in the others.
+/// Triangles of the requested lanes, with one of them repeated in the others.
 static inline void fill_triangles(
     const rsv_ray_packet *restrict p, uint32_t lanes, int *restrict triangle)
 {
@@ -200,14 +200,14 @@ static inline void put_block(const float *restrict lanes, float *restrict plane)
         memcpy(plane + row * RSV_TILE, lanes + row * RSV_BLOCK, RSV_BLOCK * sizeof *lanes);
 }
 
-/// Lobes that may be left to be lit.
+/// Lobes that may remain to be lit.
 typedef struct lobe_lanes {
     float value[8][LANES]; ///< of the tables of their materials
     float mean[3][LANES];  ///< radiance that arrives
     float depth[LANES];    ///< 0 = none is left
 } __attribute__((aligned(64))) lobe_lanes;
 
-/// Notes the lobes that are left to be lit.
+/// Records the lobes that remain to be lit.
 static inline void note_lobes(const rsv_ray_packet *restrict p, const glossy_lanes *restrict g,
     const glossy_constants *restrict constant, const lobe_lanes *restrict lobes,
     rsv_glossy_block block)
@@ -233,7 +233,7 @@ static inline void note_lobes(const rsv_ray_packet *restrict p, const glossy_lan
     tile->count++;
 }
 
-/// One channel of what lanes show: base and even lobes.
+/// One channel of the lanes' light: base and isotropic lobes.
 /// @param channel irradiance in, radiance out, where `glossy` is not 0
 static inline void show_channel(int c, const int *restrict glossy,
     const glossy_constants *restrict constant, lobe_lanes *restrict lobes, float *restrict channel)
@@ -248,7 +248,7 @@ static inline void show_channel(int c, const int *restrict glossy,
     }
 }
 
-/// What lanes show but for the lobes that are left to be lit. @param radiance of their block, in and out
+/// Light of lanes without the lobes that remain to be lit. @param radiance of their block, in and out
 static inline void show_bases(const rsv_ray_packet *restrict p, uint32_t lanes,
     const glossy_constants *restrict constant, lobe_lanes *restrict lobes,
     float (*restrict radiance)[4])

@@ -7,7 +7,7 @@
 
 // ---- albedo -------------------------------------------------------------------------------------
 
-/// What is divided by is never less.
+/// Lower limit of divisors.
 #define LEAST_ALBEDO 1e-3f
 
 static rsv_rgb metal_albedo(const rsv_bsdf *b, float cos)

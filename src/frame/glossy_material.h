@@ -1,8 +1,9 @@
-/// Opaque materials with one rough lobe over or instead of a diffuse one, ready to be shaded sixteen pixels at a time.
+/// Opaque materials with one rough lobe above or instead of a diffuse one, prepared for shading sixteen pixels at a
+/// time.
 ///
-/// What such a surface sends to the eye is B T(cos) / pi from its base and A(cos) L from its lobe: T is rsv_bsdf_exit with
-/// the diffuse share, A the lobe's directional albedo, and L the mean radiance that arrives over the lobe, weighted by it.
-/// Both are tabulated by cosine, as finely as the engine's own tables, so that T is what the BSDF says.
+/// Such a surface sends B T(cos) / pi from its base and A(cos) L from its lobe to the eye. T is rsv_bsdf_exit with the
+/// diffuse fraction, A the lobe's directional albedo, and L the mean radiance that arrives over the lobe, weighted by
+/// it. Both are tabulated by cosine, as finely as the engine's own tables, so that T agrees with the BSDF.
 #ifndef RSV_GLOSSY_MATERIAL_H
 #define RSV_GLOSSY_MATERIAL_H
 
@@ -38,10 +39,11 @@ rsv_status rsv_glossy_materials_create(rsv_context *context, const rsv_transport
     const uint8_t *translucent, rsv_glossy_materials *materials);
 void rsv_glossy_materials_destroy(rsv_glossy_materials *materials);
 
-/// Takes over again what materials are like; plain ones stay plain.
+/// Updates the materials; plain ones stay plain.
 void rsv_glossy_materials_refresh(rsv_glossy_materials *materials);
 
-/// Directional albedo of all lobes but the diffuse one, about: what their light is divided by where it is averaged. Never 0.
+/// Approximate directional albedo of all lobes except the diffuse one, by which their light is divided for averaging.
+/// Never 0.
 rsv_rgb rsv_glossy_albedo(const rsv_bsdf *bsdf, float cos);
 
 /// Width of the narrowest rough lobe.

@@ -11,14 +11,15 @@
 /// Samples from which on a cell sends fewer rays, where its lobe shows much; fewer do where it shows less.
 #define ENOUGH_SAMPLES 24.0f
 #define LEAST_SAMPLES 4.0f
-/// Narrow lobes and cells of few samples take every turn if they show more than the first share of their pixel, and every
-/// fourth one below the second.
+/// Narrow lobes and cells of few samples take every turn if they show more than the first share of their pixel, and
+/// every fourth one below the second.
 #define MUCH_SHOWN 0.25f
 #define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
-/// Highlights of punctual lights that reflections show are as of lobes wider by so much, radian^2: one ray stands for several
-/// cells, and would otherwise spread the image of a highlight, small and hundreds of times as bright, over all of them.
+/// Highlights of punctual lights that reflections show are as of lobes wider by so much, radian^2: one ray stands for
+/// several cells, and would otherwise spread the image of a highlight, small and hundreds of times as bright, over all
+/// of them.
 #define REFLECTED_VARIANCE 0.1f
 /// Light counts as seen at least so much, however dark the lobe.
 #define LEAST_SHARE 0.01f
@@ -40,7 +41,7 @@ static const rsv_transport_scene *scene_of(const rsv_glossy_rays *r)
 /// Sources that are met are shown unless single layers without them are.
 static bool shows_sources(const rsv_glossy_rays *r) { return rsv_shows_emission(r->table); }
 
-// ---- what a ray meets ---------------------------------------------------------------------------
+// ---- hits ----------------------------------------------------------------------------------------
 
 static rsv_specular_path path_of(const rsv_glossy_rays *r, uint32_t lane)
 {
@@ -106,7 +107,7 @@ static rsv_rgb glossy_met(const rsv_glossy_rays *r, uint32_t lane)
     return rgb_add(shown, emission_met(r, lane, &path, emission));
 }
 
-/// What paths find on their way behind mirrors and glass.
+/// Light found by paths behind mirrors and glass.
 typedef struct found {
     const rsv_glossy_rays *rays;
     rsv_rgb radiance;
@@ -140,7 +141,7 @@ static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, u
     return rgb_scale(f.radiance, 1 / share);
 }
 
-/// Share of what a lane's ray finds that the camera sees.
+/// Fraction of a lane's light that the camera sees.
 static float share_seen(const rsv_glossy_rays *r, uint32_t lane)
 {
     return f_min(f_max(rgb_max(r->weight[lane]), LEAST_SHARE), 1);
@@ -280,7 +281,7 @@ static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface
     return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
 }
 
-/// What sources aimed at send by a lobe. Highlights of punctual lights that are smaller than a cell are spread over it.
+/// Light of sampled sources in a lobe. Highlights of punctual lights smaller than a cell are spread over it.
 static rsv_rgb aimed_light(
     const rsv_glossy_rays *r, const rsv_rough_surface *surface, const float u[3])
 {
@@ -336,7 +337,7 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
         sample_lobe(r, task, &surface, trail, cell, albedo);
 }
 
-/// Whether little is known of a cell, as far as its place in the frame before tells.
+/// Whether a cell has few samples, judged by its position in the previous frame.
 static bool is_poor(const rsv_glossy_cells *c, size_t cell)
 {
     const rsv_glossy_geometry *g = &c->now, *b = &c->before;
@@ -345,7 +346,7 @@ static bool is_poor(const rsv_glossy_cells *c, size_t cell)
     return cos < 0.5f || fabsf(g->alpha[cell] - b->alpha[cell]) > 0.5f * g->alpha[cell];
 }
 
-/// Share of what a pixel shows that its lobe is: as bright as even light, all of a mirror's.
+/// Fraction of a pixel's light that is due to its lobe: as bright as uniform light; all of it for a mirror.
 static float share_shown(
     const rsv_glossy_cells *c, size_t cell, const rsv_glossy_tile *tile, uint32_t pixel)
 {
@@ -366,7 +367,8 @@ static uint32_t turns_per_ray(float shown)
     return shown > MUCH_SHOWN ? 1 : shown > LITTLE_SHOWN ? 2 : 4;
 }
 
-/// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip one or three of four once they have enough.
+/// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip one or three of four once they have
+/// enough.
 static bool has_turn(
     const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row, float shown)
 {

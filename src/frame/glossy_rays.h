@@ -1,8 +1,8 @@
-/// Rays of rough lobes: some cells of a tile send one each, and what it meets is looked up.
+/// Rays of rough lobes: some cells of a tile trace one each, and the light at its hit is looked up.
 ///
-/// Sources count as in pictures: those that next-event estimation samples are aimed at and met by chance, weighed by the
-/// power heuristic. What surfaces send that rays meet is the stored light: their diffuse lobe, and their rough ones as if
-/// their own light were even. Mirrors and glass that are met send the ray on.
+/// Sources count as in pictures: those of next-event estimation are sampled and hit by chance, combined by the power
+/// heuristic. Surfaces that rays hit have their stored light: that of their diffuse lobe, and of their rough ones as if
+/// their own illumination were uniform. Mirrors and glass pass the ray on.
 #ifndef RSV_GLOSSY_RAYS_H
 #define RSV_GLOSSY_RAYS_H
 
@@ -17,7 +17,7 @@ typedef struct rsv_glossy_rays {
     rsv_ray_packet packet;
     rsv_packet_places places;
     size_t cell[RSV_LANES];    ///< of rsv_glossy_cells
-    rsv_rgb weight[RSV_LANES]; ///< of what the ray finds
+    rsv_rgb weight[RSV_LANES]; ///< of the ray's light
     rsv_rgb known[RSV_LANES];  ///< found already
     rsv_rgb albedo[RSV_LANES]; ///< that the sum is divided by
     rsv_rough_departure departure[RSV_LANES];
@@ -29,7 +29,7 @@ typedef struct rsv_glossy_rays {
 void rsv_glossy_rays_create(
     const rsv_packet_kernels *kernels, const rsv_light_table *table, rsv_glossy_rays *rays);
 
-/// What a frame asks of the rays.
+/// Input of a frame for the rays.
 typedef struct rsv_glossy_task {
     const rsv_glossy_cells *cells;
     const rsv_frame_aim *aim;

@@ -1,10 +1,10 @@
-/// What a tile's pixels show of rough lobes, until it is known what light these meet.
+/// Rough lobes of a tile's pixels, until their light is known.
 #ifndef RSV_GLOSSY_TILE_H
 #define RSV_GLOSSY_TILE_H
 
 #include "../core/vec.h"
 
-/// Pixels in the order of a tile. Those without a lobe to be lit have depth 0, and the rest means nothing.
+/// Pixels in the order of a tile. Those without a lobe to light have depth 0 and no other valid data.
 #define RSV_GLOSSY_TILE_PIXELS 1024
 typedef float rsv_glossy_plane[RSV_GLOSSY_TILE_PIXELS];
 

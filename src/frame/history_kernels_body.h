@@ -1,4 +1,4 @@
-/// Rows of a tile and what was shown before (history.h), included by packet_kernels_body.h.
+/// Rows of a tile and their history (history.h), included by packet_kernels_body.h.
 #include "history.h"
 
 /// A tile's row and one pixel more on each side, channel after channel of each pixel.
@@ -21,7 +21,7 @@ static inline void find_range(
     }
 }
 
-/// Radiance that differs less from pixel to pixel, relative to the greatest, has no edges to be smoothed.
+/// If radiance varies less than this from pixel to pixel, relative to the maximum, there are no edges to smooth.
 #define EVEN_RANGE 0.02f
 
 /// Pixels around which radiance varies, a bit each. The others show their own sample.
@@ -36,8 +36,8 @@ static inline uint32_t find_uneven(const float (*restrict low)[4], const float (
     return lanes_set(uneven);
 }
 
-/// Depth of the nearest surface among a pixel and its neighbours: edges move with what is before them.
-/// @param rows three of the window, from the pixel to the left of the first one on
+/// Depth of the nearest surface among a pixel and its neighbours: edges move with the surface in front.
+/// @param rows three of the window, starting at the pixel to the left of the first one
 static inline void find_nearest(const float (*restrict rows)[WIDE], float *restrict depth)
 {
     float least[LANES + 2];
@@ -107,7 +107,7 @@ static inline void find_earlier(const rsv_frame_history *h, uint32_t column, uin
     }
 }
 
-/// What sixteen pixels look up in the frame before.
+/// Lookups of sixteen pixels in the previous frame.
 typedef struct history_lanes {
     int left[LANES], top[LANES];            ///< pixel up and left of each place
     float across[4][LANES], down[4][LANES]; ///< weights of four columns and rows around it
@@ -156,7 +156,7 @@ static inline void add_lines(const float *const line[4], const float weight[4], 
         sum[k] = weight[0] * a[k] + weight[1] * b[k] + weight[2] * c[k] + weight[3] * d[k];
 }
 
-/// What was shown at the place of a lane.
+/// The history at the position of a lane.
 static inline void look_back(const rsv_frame_history *h, history_lanes *restrict at, int lane)
 {
     _Alignas(64) float edge[4][16], sum[16];
@@ -201,8 +201,8 @@ static inline void find_alike(const rsv_frame_history *h, const history_lanes *r
     }
 }
 
-/// The same of the pixel that a place lies in, and then of the others around, a bit each.
-/// @param asked lanes that are to be known
+/// The same for the pixel at a position, and then for the others around it, one bit each.
+/// @param asked the lanes to process
 static inline uint32_t find_shown(const rsv_frame_history *h, uint32_t asked,
     const history_lanes *restrict at, const earlier_lanes *restrict from)
 {
@@ -229,7 +229,7 @@ static inline uint32_t find_shown(const rsv_frame_history *h, uint32_t asked,
     return lanes_set(shown) & asked;
 }
 
-/// What the middle of a pixel shows, between the samples of this frame around it. @param middle of the window
+/// The value at the centre of a pixel, interpolated from this frame's samples around it. @param middle of the window
 static inline void interpolate(
     const rsv_frame_history *h, const float (*restrict middle)[4], float *restrict out)
 {
@@ -245,7 +245,7 @@ static inline void interpolate(
     out[3] = 1;
 }
 
-/// Adds the samples of lanes to the mean of what was shown before.
+/// Adds the samples of lanes to the mean of the history.
 /// @param low, high radiance around them @param radiance in and out; unchanged in other lanes
 static inline void add_samples(const rsv_frame_history *h, uint32_t lanes,
     const history_lanes *restrict at, const float *restrict low, const float *restrict high,
@@ -274,7 +274,7 @@ typedef struct history_block {
     const float (*low)[4], (*high)[4]; ///< radiance around each
 } history_block;
 
-/// Asks the memory for what the next row will look up: rows of a picture are far apart.
+/// Prefetches the history for the next row: rows of a picture are far apart in memory.
 static inline void approach_history(const rsv_frame_history *h, const history_lanes *restrict at)
 {
     int width = (int)h->width, height = (int)h->height, left = into(at->left[0] - 1, width);
@@ -310,7 +310,7 @@ static inline void recall_block(
     }
 }
 
-/// One row of a tile: its samples, and what was shown before where they vary.
+/// One row of a tile: its samples and, where they vary, the history.
 static void recall_row(const rsv_frame_history *h, const rsv_history_window *w, uint32_t column,
     uint32_t row, uint32_t line, float (*restrict radiance)[4])
 {

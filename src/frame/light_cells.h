@@ -14,7 +14,7 @@ typedef struct rsv_light_cell {
 
 typedef enum rsv_shown_kind {
     RSV_SHOWN_STORED, ///< the table has all of it
-    RSV_SHOWN_CHAIN,  ///< mirror, glass, texture, ...: to be followed
+    RSV_SHOWN_CHAIN,  ///< mirror, glass, texture, ...: to be followed by a specular path
     RSV_SHOWN_SKY,
     RSV_SHOWN_GLOSSY ///< the table has the irradiance, rsv_glossy_material what becomes of it
 } rsv_shown_kind;
@@ -44,7 +44,7 @@ RSV_INLINE rsv_grid_place rsv_place_in_grid(rsv_shown_side side, float u, float 
     rsv_triangle_place at = rsv_triangle_grid_find(1 << side.level, u, v);
     rsv_grid_place place;
     place.cell = side.cell + at.index;
-    // what rounding puts outside the cell is moved to its border
+    // points outside the cell due to rounding are moved to its border
     place.b0 = f_min(f_max(at.b0, 0), 1);
     place.b1 = f_min(f_max(at.b1, 0), 1 - place.b0);
     place.b2 = 1 - place.b0 - place.b1;

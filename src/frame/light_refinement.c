@@ -10,7 +10,7 @@ rsv_face_walk rsv_face_walk_begin(const rsv_light_view *s)
         .level = { s->elements, s->fine.elements, s->caustics.elements, s->diffused.elements } };
 }
 
-/// A cell, and where each level is there; what is not there counts as whole.
+/// A cell, and its position in each level; a missing part counts as whole.
 typedef struct refined_cell {
     rsv_cell cell;
     uint32_t slot[RSV_REFINED_LEVELS];

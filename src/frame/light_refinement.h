@@ -1,6 +1,6 @@
-/// The common refinement of what a solution stores: its fields live on several subdivisions of the same faces, the
-/// coarse elements, the direct, the caustic and the diffused level; within a cell of their common refinement all of them
-/// are linear.
+/// The common refinement of a solution's fields, which are on several subdivisions of the same faces: the coarse
+/// elements, the direct, the caustic and the diffused level. Within a cell of their common refinement, all of them are
+/// linear.
 #ifndef RSV_LIGHT_REFINEMENT_H
 #define RSV_LIGHT_REFINEMENT_H
 
@@ -14,7 +14,7 @@ typedef struct rsv_stored_field {
     float sign;           ///< 1, or -1 = taken away
 } rsv_stored_field;
 
-/// Fields that add up to what is shown.
+/// Number of fields that add up to the displayed light.
 #define RSV_MAX_FIELDS 4
 typedef struct rsv_field_sum {
     rsv_stored_field part[RSV_MAX_FIELDS];
@@ -24,8 +24,8 @@ typedef struct rsv_field_sum {
 /// Subdivisions that may differ.
 #define RSV_REFINED_LEVELS 4
 
-/// The walk over the cells of one face after the other. They lie in a table: first a regular grid, in the order of
-/// rsv_place_in_grid, then what cells of the grid are split into, four by four.
+/// Traverses the cells of one face after the other. They are stored in a table: first a regular grid, in the order of
+/// rsv_place_in_grid, then the children of its cells, four by four.
 typedef struct rsv_face_walk {
     const rsv_elements *level[RSV_REFINED_LEVELS]; ///< the coarse one first; NULL = not there
     const rsv_light_view *solution;
@@ -45,8 +45,8 @@ float rsv_light_change(const float before[3], const float after[3], float least)
 
 rsv_face_walk rsv_face_walk_begin(const rsv_light_view *solution);
 
-/// The level of a face's grid: the coarsest one that has a whole cell. A coarser one would take more cells, and one more
-/// step to every place.
+/// The level of a face's grid: the coarsest one that has a whole cell. A coarser one would take more cells, and one
+/// more step to every place.
 uint32_t rsv_face_grid_level(const rsv_face_walk *walk, uint32_t face);
 
 /// Fills or counts the cells of a face.

@@ -47,7 +47,7 @@ static rsv_field_sum diffused_fields(const rsv_light_view *s, uint32_t layer)
     return sum;
 }
 
-/// Of their direct light, what the diffused level does not resolve.
+/// The part of direct light that the diffused level does not resolve.
 static rsv_field_sum detail_fields(const rsv_light_view *s, uint32_t layer)
 {
     rsv_field_sum sum = { .count = 0 };
@@ -73,7 +73,7 @@ static uint32_t first_face_cell(const rsv_light_view *s)
     return 1 + (uint32_t)s->scene.view->material_count;
 }
 
-/// Whether rsv_glossy_material says what a side shows. Those of bare metal have no face.
+/// Whether rsv_glossy_material describes a side. Sides of bare metal have no face.
 static bool is_glossy(const rsv_light_table *t, uint32_t material, uint32_t face, bool back)
 {
     const rsv_bsdf *bsdf = &t->solution->bsdf[material];
@@ -170,7 +170,7 @@ void rsv_light_table_destroy(rsv_light_table *t)
     *t = (rsv_light_table){ 0 };
 }
 
-/// A hundredth of the mean radiance, about: changes of what is darker are not seen.
+/// About a hundredth of the mean radiance: changes of darker light are invisible.
 static float least_seen(const rsv_field_sum *fields)
 {
     double mean = 0;

@@ -1,8 +1,8 @@
-/// What plain surfaces show, ready to be looked up from (triangle, u, v).
+/// Light of plain surfaces, for lookups by (triangle, u, v).
 ///
-/// One table holds the sum of all fields of a solution on their common refinement (light_refinement.h), times albedo /
-/// pi and with the emission added: radiance at the three corners of each cell. Cells of surfaces whose albedo is not the
-/// same all over, or which are more than diffuse, hold the irradiance; those of translucent surfaces, the diffused one.
+/// One table has the sum of all fields of a solution on their common refinement (light_refinement.h), times albedo / pi
+/// and with the emission added: radiance at the three corners of each cell. Cells of surfaces with varying albedo, or
+/// that are not only diffuse, have the irradiance instead; those of translucent surfaces the diffused one.
 #ifndef RSV_LIGHT_TABLE_H
 #define RSV_LIGHT_TABLE_H
 
@@ -14,7 +14,7 @@
 typedef struct rsv_light_table {
     rsv_context *context;
     const rsv_light_view *solution;
-    const rsv_glossy_materials *glossy; ///< sides of these are told apart; NULL = none
+    const rsv_glossy_materials *glossy; ///< materials whose sides are marked; NULL = none
     uint32_t layer;                     ///< on show, RSV_NONE = all
     rsv_shown_side (*side)[2]; ///< [triangle_count + 1] front and back; the last: no triangle
     uint32_t triangle_count;
@@ -22,7 +22,7 @@ typedef struct rsv_light_table {
     uint8_t *face_level; ///< [face_count] of its grid
     rsv_light_cell *cell;
     uint32_t
-        *child; ///< [cell_count] rsv_light_cell_child of each, close together: what a descent reads
+        *child; ///< [cell_count] rsv_light_cell_child of each, close together for descents
     size_t cell_count;
     uint32_t source_state; ///< see rsv_source_state
 } rsv_light_table;
@@ -33,11 +33,11 @@ rsv_status rsv_light_table_create(
 void rsv_light_table_destroy(rsv_light_table *table);
 
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show
-/// @return by how much a cell or an emission has changed at most, 0..1, relative to its larger value, or where that is less
-/// to a hundredth of the mean; 1 if sources that no surface shows have changed
+/// @return by how much a cell or an emission has changed at most, 0..1, relative to its larger value, or where that is
+/// less to a hundredth of the mean; 1 if sources that no surface shows have changed
 float rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
 
-/// Whether cells of the face hold the irradiance, and not all that is shown.
+/// Whether cells of the face have the irradiance instead of the displayed radiance.
 bool rsv_holds_irradiance(const rsv_light_table *table, uint32_t face);
 
 /// The cells of a face.

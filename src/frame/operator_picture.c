@@ -16,7 +16,7 @@ static bool is_frame_size(const rsv_render_desc *d)
            d->samples > 0;
 }
 
-/// Whether frames show what is wanted: in fog they interpolate. What is wrong with a description, rsv_render says.
+/// Whether frames can render the picture. In fog they interpolate. rsv_render reports errors of the description.
 static bool is_for_frames(const rsv_light_view *s, const rsv_render_desc *d, rsv_frame_gloss gloss)
 {
     bool plain = d->mode == RSV_RENDER_OPERATOR && rsv_film_is_plain(&d->film) && !d->layers &&

@@ -29,7 +29,8 @@ typedef struct rsv_frame_aim {
     uint32_t phase[2]; ///< of that, right and down
 } rsv_frame_aim;
 
-/// Moves a sample within its stratum, in pixels nearby by different amounts: the plastic number's lattice (Roberts 2018).
+/// Moves a sample within its stratum, in pixels nearby by different amounts: the plastic number's lattice (Roberts
+/// 2018).
 RSV_INLINE float rsv_scatter(
     float place, float scatter, uint32_t phase, uint32_t along, uint32_t across)
 {
@@ -48,7 +49,7 @@ RSV_INLINE rsv_grid_place rsv_packet_place(const rsv_packet_places *places, uint
         (uint32_t)places->cell[lane], places->b0[lane], places->b1[lane], places->b2[lane]);
 }
 
-/// Asks the memory for the triangles that lanes met.
+/// Prefetches the triangles that lanes hit.
 RSV_INLINE void rsv_prefetch_triangles(
     const rsv_scene_view *view, const rsv_ray_packet *p, uint32_t lanes)
 {
@@ -85,7 +86,7 @@ RSV_INLINE uint32_t rsv_glossy_lanes(
     return glossy;
 }
 
-/// What all glossy surfaces of a frame have in common.
+/// Data common to all glossy surfaces of a frame.
 typedef struct rsv_glossy_shading {
     const rsv_scene_view *view;
     const rsv_glossy_material *materials; ///< [material_count]
@@ -98,7 +99,7 @@ typedef struct rsv_texel_lanes {
     float weight[4][RSV_PACKET_WIDTH];
 } __attribute__((aligned(64))) rsv_texel_lanes;
 
-/// Texels of the base color of some lanes of a packet, found and asked for before they are read.
+/// Texels of the base color of some lanes of a packet, located and prefetched before they are read.
 typedef struct rsv_texels_ahead {
     rsv_texel_lanes level[2];
     uint32_t lanes; ///< all of one material, a bit each; 0 = none
@@ -118,20 +119,21 @@ typedef struct rsv_cell_row {
     uint32_t line;        ///< of cells in the tile
 } rsv_cell_row;
 
-/// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
-/// packets' steps between them hide the waiting.
+/// From a packet to its radiance in four steps. Each prefetches the data of the next one, so that other packets' steps
+/// in between hide the latency.
+
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
     void (*aim)(const rsv_frame_aim *aim, uint32_t column, uint32_t row, rsv_ray_packet *packet);
-    /// Finds what the rays through a part of a picture may meet. @param low, high places in the picture of the rays
-    /// farthest up and left, and down and right @return false: too much of it, or not for beams
+    /// Finds the triangles that the rays through a part of a picture may hit. @param low, high positions in the picture
+    /// of the rays at the upper left and lower right @return false: too many, or not possible with beams
     bool (*gather)(const rsv_beams *beams, const rsv_beam_lens *lens, const float low[2],
         const float high[2], rsv_beam *beam);
     /// Traces rays of a beam, as rsv_tracer_closest_packet.
     void (*meet)(const rsv_beam *beam, rsv_ray_packet *packet);
     /// Once its rays are traced.
     void (*approach)(const rsv_light_table *table, const rsv_ray_packet *packet);
-    /// Finds the cells of what the rays met. @return lanes whose side is not RSV_SHOWN_STORED, a bit each
+    /// Finds the cells of the hits. @return lanes whose side is not RSV_SHOWN_STORED, one bit each
     uint32_t (*locate)(
         const rsv_light_table *table, const rsv_ray_packet *packet, rsv_packet_places *places);
     /// Moves on to the parts of split cells, until all are whole.
@@ -142,8 +144,9 @@ typedef struct rsv_packet_kernels {
     /// Finds texels that shade_glossy is going to read, of the first of the materials that lanes are at.
     void (*find_ahead)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, rsv_texels_ahead *ahead);
-    /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by direction, which
-    /// the tile of `block` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
+    /// Light of glossy surfaces, from the irradiance that was looked up: everything but the light of lobes that vary by
+    /// direction, which goes to the tile of `block`. @param lanes at such surfaces @param radiance as in look_up, in
+    /// and out
     /// @param width of each lane's footprint, metres
     void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, float (*radiance)[4], rsv_glossy_block block);
@@ -152,9 +155,9 @@ typedef struct rsv_packet_kernels {
     void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, rsv_cell_row row,
         const rsv_glossy_cells *cells, int *speaker);
     void (*pack_pixels)(const rsv_glossy_tile *tile, rsv_glossy_pixels *pixels);
-    /// This frame's samples around sixteen cells, and what was kept of the frames before.
+    /// Combines this frame's samples around sixteen cells with those of earlier frames.
     void (*blend_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
-    /// What sixteen cells show. Once all are blended.
+    /// Light of sixteen cells, after all have been combined.
     void (*smooth_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
     /// Adds the light of the cells around to sixteen pixels. @param x, y of the first one in the tile
     /// @param cell index of the cell that it lies in @param radiance [RSV_TILE_PIXELS] of the tile
@@ -164,18 +167,18 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
         uint32_t count, uint8_t (*pixel)[4]);
-    /// Adds a tile's row of samples to the mean of what was shown before. @param column, row of its first pixel
+    /// Adds a tile's row of samples to the mean of the history. @param column, row of its first pixel
     /// @param line of the tile @param radiance [RSV_TILE] out; the last channel is the number of frames
     void (*recall)(const rsv_frame_history *history, const rsv_history_window *window,
         uint32_t column, uint32_t row, uint32_t line, float (*radiance)[4]);
-    /// The branches of specular paths that have arrived at surfaces of one smooth material: reflected, transmitted. What comes out for other lanes means
-    /// nothing.
+    /// The branches of specular paths at surfaces of one smooth material: reflected, transmitted. Results for other
+    /// lanes are undefined.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
         const rsv_clearances *clearances, const rsv_ray_packet *packet,
         const rsv_specular_lanes *paths, rsv_branch_lanes branch[2]);
 } rsv_packet_kernels;
 
-/// @param instructions BEST, or what the processor is known to have; set to what is in use
+/// @param instructions BEST, or instructions that the CPU has; set to those in use
 const rsv_packet_kernels *rsv_packet_kernels_for(rsv_instructions *instructions);
 
 /// Whether the processor, and this build, have them.

@@ -221,7 +221,7 @@ static inline void find_codes(const float *restrict shown, uint8_t *restrict cod
         code[k] = (uint8_t)(k % 4 == 3 ? 255 : word[k]);
 }
 
-/// First sums, past the caches: while the camera moves nobody reads them.
+/// First sums, written past the caches, because nothing reads them while the camera moves.
 static void begin_sums(const float *restrict in, float *restrict total)
 {
 #if defined(__SSE2__)

@@ -6,15 +6,15 @@
 #define FIRST_PATHS 0.5f
 #define FIRST_FRAMES 8
 #define LATER_PATHS 1.0f
-/// Of that, what a block gets at least: little may be known of it.
+/// Minimum fraction for a block, because little may be known of it.
 #define LEAST_PATHS 0.25f
 /// Degrees of freedom that the variance in a larger square counts for in those within.
 #define GIVEN_FREEDOM 4.0f
-/// Standard errors by which what squares say must exceed what noise would.
+/// Standard errors by which the signal of squares must exceed noise.
 #define CERTAINTY 2.0f
 /// Samples of a square that count as few: its correction comes bit by bit, so that pictures do not flicker.
 #define FEW_SAMPLES 12.0f
-/// What is shown counts as at least this share of what larger squares show.
+/// Lower limit of displayed light, relative to that of larger squares.
 #define LEAST_SHOWN 0.1f
 
 static float luminance(const float *c) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
@@ -136,7 +136,7 @@ static float samples_of(const node *n)
     return weight > 0 ? weight * weight / n->weight_square : 0;
 }
 
-/// Squares of so many samples' distances from their mean, summed up.
+/// Sum of squared deviations of samples from the mean of their square.
 static float scatter_of(const node *n)
 {
     float weight = n->difference[3];
@@ -167,7 +167,7 @@ static float evened(const grid *smaller, int x, int y, const rsv_resting_given *
     return sum > 0 ? pixels / sum : 1;
 }
 
-/// What parts are given before their own samples count: in proportion to what they show.
+/// Corrections of parts before their own samples count: in proportion to their light.
 static void inherit(
     const grid *larger, const rsv_resting_given *from, const grid *smaller, rsv_resting_given *to)
 {
@@ -183,10 +183,10 @@ static void inherit(
         }
 }
 
-/// Up to 4x4 squares: sums over them, relative to what each shows.
+/// Sums over up to 4x4 squares, relative to the light of each.
 typedef struct pool {
     float samples, squares; ///< numbers of both; squares that have samples
-    float between; ///< squares of what their means say beyond what they were given, by samples
+    float between; ///< squares of the difference between their means and their inherited correction, by samples
     float scatter; ///< of samples around these means
 } pool;
 
@@ -201,8 +201,8 @@ static void add_to_pool(const node *n, const rsv_resting_given *g, pool *p)
     p->scatter += scatter_of(n) * relative;
 }
 
-/// A share of what a square's own samples say beyond what it was given: less where they are few, as these may be far off.
-/// @param signal, variance of squares and of samples, relative
+/// A fraction of what a square's own samples say beyond its inherited correction: less if they are few, because these
+/// may be far off. @param signal, variance of squares and of samples, relative
 static void correct(const node *n, float signal, float variance, rsv_resting_given *g)
 {
     float count = samples_of(n);
@@ -328,7 +328,7 @@ void rsv_resting_update(rsv_resting_tile *tile, float (*shown)[4])
 
 enum { MOST_LEVELS = 17 };
 
-/// The whole picture is right in the mean: so many samples have hardly any error.
+/// The mean of the whole picture is right: with so many samples, it has hardly any error.
 static rsv_resting_given given_by_all(const node *all)
 {
     rsv_resting_given g = { .shown = mean_shown(all) };

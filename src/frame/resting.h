@@ -1,14 +1,14 @@
-/// Pictures at rest: from reused light to that of paths, without a jump.
+/// Pictures at rest: a transition from reused light to that of paths, without a jump.
 ///
-/// Where the camera rests, some pixels of each frame are shown a second time, by a whole random path: right in the mean,
-/// but noisy. How these differ from the frame is summed up for pixels and for squares of 2, 4, ... 32 pixels, and of tiles.
-/// The mean difference of the whole picture corrects all of it. From there on, each square takes over what the larger one
-/// found, plus a share of what its own samples say beyond that: s^2 / (s^2 + v / n), the one of least error where squares of
-/// that size differ by s and the mean of n samples has the variance v / n (Wiener filter). Both s and v are estimated from
-/// 4x4 squares at a time. In the end each pixel is corrected by its own samples.
+/// While the camera rests, some pixels of each frame are also rendered by a whole random path, which is unbiased but
+/// noisy. The differences from the frame are summed up for pixels and for squares of 2, 4, ... 32 pixels, and of tiles.
+/// The mean difference of the whole picture corrects all of it. Then each square takes over the correction of the
+/// larger one, plus a fraction of what its own samples say beyond that: s^2 / (s^2 + v / n), which minimises the error
+/// if squares of that size differ by s and the mean of n samples has the variance v / n (Wiener filter). Both s and v
+/// are estimated over 4x4 squares. Finally, each pixel is corrected by its own samples.
 ///
 /// Paths go where they are needed: to blocks of 4x4 pixels in proportion to the standard deviation of their samples,
-/// relative to what is shown (Neyman allocation).
+/// relative to the displayed light (Neyman allocation).
 #ifndef RSV_RESTING_H
 #define RSV_RESTING_H
 
@@ -38,15 +38,15 @@ typedef struct rsv_resting_node {
     float pixels; ///< number of those
 } rsv_resting_node;
 
-/// What a square takes over from the larger ones that it lies in.
+/// Correction of a square by the larger squares around it.
 typedef struct rsv_resting_given {
     float correction[3];
     float
-        variance; ///< of one difference within squares of that size, over the square of what is shown
+        variance; ///< of one difference within squares of that size, relative to the square of the displayed light
     float shown; ///< mean luminance where the correction comes from
 } rsv_resting_given;
 
-/// Standard deviations of paths in a tile's blocks, relative to what is shown; 0 where nothing may differ.
+/// Standard deviations of paths in a tile's blocks, relative to the displayed light; 0 where nothing can differ.
 typedef float rsv_resting_noise[RSV_RESTING_BLOCKS];
 
 /// Differences between paths and frames of a tile: sums over its samples.
@@ -72,19 +72,19 @@ uint32_t rsv_resting_turns(rsv_resting_tile *tile, uint32_t block);
 /// Pixel of a block of 4x4 whose turn it is. @param seed of the block's own
 uint32_t rsv_resting_lane(rsv_resting_tile *tile, uint32_t block, uint32_t seed);
 
-/// Adds the differences of a frame. @param radiance [RSV_RESTING_PIXELS] what the frame has at these places
+/// Adds the differences of a frame. @param radiance [RSV_RESTING_PIXELS] of the frame at these places
 void rsv_resting_add(
     rsv_resting_tile *tile, const rsv_resting_paths *paths, const float (*radiance)[4]);
 
-/// Corrects what is shown. @param shown [RSV_RESTING_PIXELS] mean radiance of all frames, in and out
+/// Corrects the displayed light. @param shown [RSV_RESTING_PIXELS] mean radiance of all frames, in and out
 void rsv_resting_correct(const rsv_resting_tile *tile, float (*shown)[4]);
 
 /// The same, and notes the tile's sums and noise for rsv_resting_share.
 void rsv_resting_update(rsv_resting_tile *tile, float (*shown)[4]);
 
-/// What each tile takes over from squares of several, and how many paths it gets, once all have their sums.
+/// Corrections of each tile by squares of several tiles, and its number of paths, after all have their sums.
 /// @param tile [across * down]
-/// @param node [2 * across * down + 64] room to work in @param given likewise
+/// @param node [2 * across * down + 64] scratch memory @param given the same size
 void rsv_resting_share(rsv_resting_tile *tile, uint32_t across, uint32_t down,
     rsv_resting_node *node, rsv_resting_given *given);
 

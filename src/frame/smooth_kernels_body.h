@@ -20,7 +20,7 @@ static inline void gather_corners(const rsv_scene_view *restrict view,
     }
 }
 
-/// Surface points with the normals that smooth lobes are asked with.
+/// Surface points with the normals for smooth lobes.
 typedef struct point_lanes {
     rsv_lanes3 position, geometric, normal;
     float extent[LANES];
@@ -109,7 +109,7 @@ static inline void gather_clearances(const rsv_clearances *restrict from,
     }
 }
 
-/// Sets branches out, all of them reflected or all transmitted: rsv_specular_depart, rsv_branch_survives and
+/// Starts branches, all reflected or all transmitted: rsv_specular_depart, rsv_branch_survives and
 /// rsv_specular_set_out. Their weights come in as those of the branches alone.
 static inline __attribute__((always_inline)) void depart(bool transmit,
     const rsv_specular_lanes *restrict c, const point_lanes *restrict points,

@@ -4,8 +4,8 @@
 
 #include "../solve/light.h"
 
-/// A number that follows from punctual lights and surroundings: another one after any change of their strengths, colours,
-/// places and directions (but for one chance in 2^32).
+/// A hash of punctual lights and environment, which changes with their strengths, colours, positions and directions
+/// (except with a probability of 2^-32).
 uint32_t rsv_source_state(const rsv_light_view *solution);
 
 #endif

@@ -21,7 +21,7 @@ rsv_specular_path rsv_specular_of_lane(
                                    v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
         .weight = rsv_lane_color(c->weight, k),
         .medium = q->media->medium[c->medium[k]],
-        .channel = RSV_CHANNEL_ALL, // a frame has too few samples to tell colours apart
+        .channel = RSV_CHANNEL_ALL, // a frame has too few samples to separate colours
         .start_ior = c->start_ior[k],
         .settled = c->settled[k],
         .events = c->events[k],
@@ -40,14 +40,15 @@ static rsv_specular_path path_arrived(const queue *q, const rsv_arrival *a, uint
     return path;
 }
 
-/// Notes how far away it is what the pixel in hand shows, if this is most of it: the image in a mirror, what is behind a pane.
-/// @param distance from the last surface that is in the path's width
+/// Records the distance of the pixel's surface, if this is most of its light: the image in a mirror, an object behind a
+/// pane.
+/// @param distance from the last surface, which the path's width includes
 static void note_depth(queue *q, const rsv_arrival *a, uint32_t lane, float distance)
 {
     rsv_specular_light *light = &q->light;
     float share = rgb_max(rsv_lane_color(a->paths->throughput, lane));
     bool counts =
-        q->spread > 0 && a->paths->events[lane] > 0; // widths tell distances, if rays spread
+        q->spread > 0 && a->paths->events[lane] > 0; // widths give distances, if rays spread
     if (!light->depth || !counts || !(share > light->carried[light->pixel])) return;
     light->carried[light->pixel] = share;
     light->depth[light->pixel] = distance + a->paths->width[lane] / q->spread;
@@ -125,7 +126,7 @@ static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const surface *
 
 // ---- surfaces -----------------------------------------------------------------------------------
 
-/// Sends metal and glass on as if they were smooth: what they show behind mirrors and glass.
+/// Passes rays on at metal and glass as if they were smooth: for their light behind mirrors and glass.
 static void smooth_out(surface *s)
 {
     rsv_bsdf smooth = *s->bsdf;
@@ -133,7 +134,7 @@ static void smooth_out(surface *s)
     s->branches = rsv_specular_branches_of(&smooth, &s->path, &s->point);
 }
 
-/// A rough surface: its lobes take part in what tiles share, or are the irradiance behind mirrors and glass.
+/// A rough surface: its lobes join those of the tile, or use the irradiance behind mirrors and glass.
 static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
 {
     const rsv_specular_path *path = &s->path;
@@ -166,7 +167,7 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, surface *s)
     leave(q, a, lane, s, true);
 }
 
-/// What a surface of any kind shows that is not in the table, and its branches.
+/// Light of a surface of any kind that is not in the table, and its branches.
 static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
 {
     rsv_bsdf storage;
@@ -226,7 +227,7 @@ static void scatter(queue *q, const rsv_arrival *a, uint32_t lanes)
     }
 }
 
-// ---- all that specular paths may meet -------------------------------------------------------------------
+// ---- all kinds of hits ---------------------------------------------------------------------------
 
 static void see_sky(queue *q, const rsv_arrival *a, uint32_t lanes)
 {
@@ -250,7 +251,7 @@ static void see_stored(queue *q, const rsv_arrival *a, uint32_t lanes)
     }
 }
 
-/// Leaves the lobe of a lane to be lit like those that camera rays meet, where panes alone are before it.
+/// Leaves the lobe of a lane to be lit like those at camera rays' hits, if only panes are in front of it.
 static bool leave_lobe(
     queue *q, const rsv_arrival *a, uint32_t k, uint32_t place, rsv_rgb throughput)
 {

@@ -10,7 +10,7 @@
 /// Colours or vectors, a row for each component.
 typedef float rsv_lanes3[3][RSV_LANES];
 
-/// The specular paths that the rays of a packet belong to. What is not said here is as in rsv_specular_path.
+/// The specular paths of a packet's rays. Fields without a comment are as in rsv_specular_path.
 typedef struct rsv_specular_lanes {
     rsv_lanes3 weight;
     float start_ior[RSV_LANES], width[RSV_LANES];
@@ -31,13 +31,13 @@ typedef struct rsv_branch_lanes {
     float t_min[RSV_LANES];               ///< nearer, their rays meet nothing
     uint32_t trail[RSV_LANES];
     int kind[RSV_LANES];  ///< rsv_branch_kind
-    int alive[RSV_LANES]; ///< to be followed
+    int alive[RSV_LANES]; ///< must be followed
 } __attribute__((aligned(64))) rsv_branch_lanes;
 
 #define RSV_BRANCH_KINDS 32
 
-/// Branches from the same part of a picture run alike if they are of one kind: reflected or transmitted, from the same
-/// side of a surface, into the same octant.
+/// Branches from the same part of a picture behave similarly if they are of one kind: reflected or transmitted, from
+/// the same side of a surface, into the same octant.
 RSV_INLINE int rsv_branch_kind(bool back, bool transmit, rsv_vec3 direction)
 {
     int octant = (direction.x < 0 ? 1 : 0) + (direction.y < 0 ? 2 : 0) + (direction.z < 0 ? 4 : 0);

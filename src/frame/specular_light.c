@@ -14,7 +14,7 @@ void rsv_add_sky(rsv_specular_light *l, rsv_vec3 direction, rsv_rgb weight)
         rsv_add_light(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
 }
 
-/// What the object leaves of the light that a point shows.
+/// The light of a point with the object's shadow.
 static rsv_rgb shaded(const rsv_mover *mover, const rsv_receiver *receiver, uint32_t stream,
     rsv_rgb albedo, rsv_rgb shown)
 {
@@ -132,7 +132,7 @@ void rsv_note_gloss(rsv_specular_light *l, const rsv_specular_path *path,
     g->count++;
 }
 
-/// What voxels show along a segment.
+/// Light of voxels along a segment.
 static rsv_rgb cross_fog(void *light, const rsv_ray *ray, rsv_rgb throughput, uint32_t trail)
 {
     rsv_specular_light *l = light;

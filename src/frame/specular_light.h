@@ -1,4 +1,4 @@
-/// What specular paths show where they end or scatter, added to their pixels.
+/// Light of specular paths where they end or scatter, added to their pixels.
 #ifndef RSV_SPECULAR_LIGHT_H
 #define RSV_SPECULAR_LIGHT_H
 
@@ -18,16 +18,16 @@ typedef struct rsv_specular_light {
     const rsv_mover *mover;     ///< NULL = none
     const rsv_fog_shine *shine; ///< NULL = the air is clear
     rsv_glossy_tile
-        *gloss;    ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
+        *gloss;    ///< receives the rough lobes at camera rays' hits; NULL = paths follow them
     rsv_vec3 eye;  ///< of the camera
     bool parallel; ///< it is orthographic
     float (*radiance)[4]; ///< of pixels
-    float *depth;   ///< metres along the path to what pixels show most of; NULL = not asked for
+    float *depth;   ///< metres along the path to the main surface of pixels; NULL = not needed
     float *carried; ///< its share
     uint32_t pixel, trail; ///< of the specular path in hand; trail as in camera_path.h
 } rsv_specular_light;
 
-/// Takes the solution's lights over again.
+/// Updates the solution's lights.
 void rsv_specular_light_refresh(rsv_specular_light *light);
 
 /// Adds radiance to the pixel in hand.
@@ -37,14 +37,14 @@ RSV_INLINE void rsv_add_light(rsv_specular_light *light, rsv_rgb radiance)
     sum[0] += radiance.r, sum[1] += radiance.g, sum[2] += radiance.b;
 }
 
-/// What lies beyond the scene.
+/// Adds the light beyond the scene.
 void rsv_add_sky(rsv_specular_light *light, rsv_vec3 direction, rsv_rgb weight);
 
-/// What the table has of the surface that a lane's ray met. @param places in whole cells
+/// Adds the stored light of the surface that a lane's ray hit. @param places in whole cells
 void rsv_add_stored(rsv_specular_light *light, rsv_rgb throughput, const rsv_ray_packet *rays,
     const rsv_packet_places *places, uint32_t lane);
 
-/// What the surface sends out by itself. @param bsdf of the surface
+/// Adds the surface's own emission. @param bsdf of the surface
 void rsv_add_emission(rsv_specular_light *light, const rsv_specular_path *path,
     const rsv_bsdf *bsdf, rsv_rgb throughput);
 
@@ -56,7 +56,7 @@ void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb wei
 void rsv_add_diffuse_light(
     rsv_specular_light *light, const rsv_specular_path *path, rsv_rgb albedo, rsv_rgb weight);
 
-/// What the rough lobes show of a surface behind mirrors and glass: as if all that they meet were even.
+/// Adds the light of the rough lobes of a surface behind mirrors and glass, as if their illumination were uniform.
 /// @param point, bsdf of the surface
 void rsv_add_even_gloss(rsv_specular_light *light, const rsv_specular_path *path,
     const rsv_surface_point *point, const rsv_bsdf *bsdf, rsv_rgb throughput);
@@ -77,7 +77,7 @@ void rsv_add_whole_path(rsv_specular_light *light, const rsv_specular_path *path
 void rsv_add_mover(rsv_specular_light *light, const rsv_specular_path *path,
     const rsv_ray_packet *body, uint32_t lane);
 
-/// What the surface in the table that a lane's ray met shows with the mover's shadow on it. @param shown without
+/// Stored light of the surface that a lane's ray hit, with the mover's shadow. @param shown without the shadow
 rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
     const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown);
 

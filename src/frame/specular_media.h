@@ -1,8 +1,7 @@
-/// What specular paths have to know of materials, ready for packets: which surfaces are smooth, and the media between them by
-/// number.
+/// Materials for packets of specular paths: which surfaces are smooth, and the media between them by number.
 ///
-/// A medium is the list of bodies that a place lies in (surface/medium.h). There are few of them in a scene, so they are
-/// listed, and with them what becomes of each at the surface of each body.
+/// A medium is the list of bodies that a point is in (surface/medium.h). A scene has few of them, so they are listed,
+/// together with the medium that follows at the surface of each body.
 #ifndef RSV_SPECULAR_MEDIA_H
 #define RSV_SPECULAR_MEDIA_H
 
@@ -37,7 +36,7 @@ typedef struct rsv_specular_media {
     rsv_medium_table cross[2]; ///< beyond its surface, arriving at its front or back
 } rsv_specular_media;
 
-/// What the rays of a packet met, and the specular paths that they belong to.
+/// Hits of a packet's rays, and their specular paths.
 typedef struct rsv_arrival {
     const rsv_ray_packet *rays;
     const rsv_packet_places *places;
@@ -49,17 +48,17 @@ rsv_status rsv_specular_media_create(
     rsv_context *context, const rsv_transport_scene *scene, rsv_specular_media *media);
 void rsv_specular_media_destroy(rsv_specular_media *media);
 
-/// Takes over again what materials are like; bodies stay bodies.
+/// Updates the materials; bodies stay bodies.
 void rsv_specular_media_refresh(rsv_specular_media *media);
 
 /// Number of an eye's medium, for this frame.
 uint8_t rsv_specular_media_of_eye(
     rsv_specular_media *media, uint32_t eye, const rsv_medium *medium);
 
-/// rsv_specular_end_segment for lanes that have met a surface, and throughput for all.
-/// Ends of rays at surfaces that are not in the table tell their material; those in the table are no bodies.
-/// @param lanes that have @param spread of all specular paths
-/// @return lanes that come into a medium that is not listed: they are left as they were
+/// rsv_specular_end_segment for lanes that have hit a surface, and the throughput of all. Ends of rays at surfaces that
+/// are not in the table know their material; those in the table are not bodies.
+/// @param lanes that have hit one @param spread of all specular paths
+/// @return lanes in a medium that is not listed, which are unchanged
 uint32_t rsv_specular_media_arrive(
     const rsv_specular_media *media, const rsv_arrival *arrival, uint32_t lanes, float spread);
 

@@ -111,7 +111,7 @@ static void arrive(rsv_specular_queue *q, rsv_specular_packet *p)
     rsv_specular_queue_arrive(q, &arrival, lanes & ~end_at_mover(q, p, lanes));
 }
 
-/// Sets all that wait moving, ordered by kind and otherwise as they came.
+/// Starts all waiting paths, ordered by kind and otherwise as they came.
 static void set_moving(rsv_specular_queue *q)
 {
     uint32_t first[RSV_BRANCH_KINDS + 1] = { 0 };
@@ -137,7 +137,7 @@ static rsv_specular_packet *packet_at(rsv_specular_queue *q, uint32_t index)
     return p;
 }
 
-/// All that wait take one step, every packet one stage behind the one after it.
+/// All waiting paths take one step, with every packet one stage behind the one after it.
 static void step(rsv_specular_queue *q)
 {
     set_moving(q);

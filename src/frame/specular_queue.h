@@ -1,8 +1,8 @@
-/// Wavefronts of mirror and glass specular paths: branches of many pixels wait until all of them take their next step, those
-/// that are alike side by side in packets.
+/// Wavefronts of mirror and glass paths: branches of many pixels wait until all of them take their next step, with
+/// similar ones together in packets.
 ///
-/// They give what rsv_camera_path gives, in another order. Rough surfaces, which draw one direction at random and aim at
-/// lights, are left to it.
+/// They give the results of rsv_camera_path, in another order. Rough surfaces, which draw one random direction and
+/// sample lights, are left to that function.
 #ifndef RSV_SPECULAR_QUEUE_H
 #define RSV_SPECULAR_QUEUE_H
 
@@ -62,7 +62,7 @@ rsv_status rsv_specular_queue_create(const rsv_light_table *table,
     const rsv_clearances *clearances, rsv_specular_queue *queue);
 void rsv_specular_queue_destroy(rsv_specular_queue *queue);
 
-/// Specular paths on their way arrive: adds what they see and queues their branches. @param lanes that do, a bit each
+/// Specular paths arrive at surfaces: adds their light and queues their branches. @param lanes that do, one bit each
 void rsv_specular_queue_arrive(
     rsv_specular_queue *queue, const rsv_arrival *arrival, uint32_t lanes);
 
@@ -70,7 +70,7 @@ void rsv_specular_queue_arrive(
 rsv_specular_path rsv_specular_of_lane(const rsv_specular_queue *queue, const rsv_ray_packet *rays,
     const rsv_specular_lanes *paths, uint32_t lane);
 
-/// Follows all that wait to their ends.
+/// Follows all queued paths to their ends.
 void rsv_specular_queue_run(rsv_specular_queue *queue);
 
 #endif

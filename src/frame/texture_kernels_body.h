@@ -1,4 +1,5 @@
-/// Base colors of sixteen pixels, included by glossy_kernels_body.h: rsv_base_color_at, but for the rounding of the level.
+/// Base colours of sixteen pixels, included by glossy_kernels_body.h: rsv_base_color_at, except for the rounding of the
+/// level.
 #include "../scene/material_at.h"
 #include "../scene/texture.h"
 #include "../scene/texture_triangle.h"
@@ -75,7 +76,7 @@ static inline void find_charts(const rsv_scene_view *scene, const rsv_texture_re
     }
 }
 
-/// Two levels share what lies between them but for a half of the way: most packets need one alone.
+/// Two levels are blended only in half of the range between them, so that most packets need one.
 static inline float share_of_coarser(float between)
 {
     return f_min(f_max(2 * between - 0.5f, 0), 1);
@@ -179,7 +180,7 @@ static inline void find_levels(
         set_levels(&texture->level[level[k]], k, k + 1, to);
 }
 
-/// Finds the texels of a level of the pyramid, and asks the memory for them. @param share of the level in the colour
+/// Finds the texels of a mip level, and prefetches them. @param share weight of the level in the colour
 static inline void find_level(const rsv_texture *texture, const texture_lanes *restrict at,
     const int *restrict level, const float *restrict share, rsv_texel_lanes *restrict to)
 {
@@ -210,7 +211,7 @@ static inline void find_level(const rsv_texture *texture, const texture_lanes *r
     }
 }
 
-/// Whether add_texels knows how to read the texture.
+/// Whether add_texels supports the texture.
 static inline bool is_packed_texture(const rsv_scene_view *scene, const rsv_texture_ref *ref)
 {
     const rsv_texture *t = &scene->texture[ref->texture];

@@ -30,8 +30,8 @@ RSV_INLINE int rsv_srgb_octave_of(float x)
     return bits >> 23 & 15;
 }
 
-/// The sRGB curve over [0, 1] times 255, off by 0.003 codes at most: 5/12 of the exponent come from a table, and those of
-/// the mantissa from a polynomial. @param octave of rsv_srgb_octaves
+/// The sRGB curve over [0, 1] times 255, off by 0.003 codes at most: 5/12 of the exponent come from a table, and those
+/// of the mantissa from a polynomial. @param octave of rsv_srgb_octaves
 RSV_INLINE float rsv_srgb_code(float x, float octave)
 {
     int bits;

@@ -60,7 +60,7 @@ static rsv_status relight(
 
 static const rsv_rgb *address(const rsv_device_basis *b) { return (const rsv_rgb *)b->args.out; }
 
-/// Each time with all factors brought anew.
+/// Uploads all factors again each time.
 static rsv_status measure(rsv_device_basis *b, uint32_t repetitions, double *seconds, char *message)
 {
     rsv_gpu *gpu = gpu_of(b);

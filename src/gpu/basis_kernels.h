@@ -1,4 +1,4 @@
-/// Relighting by factors: light of receivers is the sum of what each light does alone, times its scale.
+/// Relighting by factors: the light of receivers is the sum of each light's contribution times its scale.
 #ifndef RSV_BASIS_KERNELS_H
 #define RSV_BASIS_KERNELS_H
 

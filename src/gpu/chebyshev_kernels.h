@@ -31,14 +31,14 @@ RSV_INLINE void rsv_chebyshev_follow_item(const rsv_solver_args *a, uint32_t n)
 
 RSV_KERNEL(chebyshev_follow, rsv_solver_args, rsv_chebyshev_follow_item)
 
-/// What Chebyshev polynomials promise: 1 / T_k(1 / radius).
+/// Reduction predicted by Chebyshev polynomials: 1 / T_k(1 / radius).
 RSV_INLINE double rsv_chebyshev_promise(double radius, uint32_t steps)
 {
     double x = radius > 0 ? 1 / radius : 0;
     return radius > 0 ? 1 / cosh((double)steps * acosh(x > 1 ? x : 1)) : 0;
 }
 
-/// The factor of the next step, after so many.
+/// The factor of the next step.
 RSV_INLINE double rsv_chebyshev_omega(double radius, double omega, uint32_t steps)
 {
     double square = radius * radius;

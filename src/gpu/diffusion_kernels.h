@@ -1,4 +1,4 @@
-/// K of translucent bodies: what enters, its means over clusters, and rows of both.
+/// K of translucent bodies: entering light, its means over clusters, and rows of both.
 #ifndef RSV_DIFFUSION_KERNELS_H
 #define RSV_DIFFUSION_KERNELS_H
 
@@ -17,7 +17,7 @@ typedef struct rsv_diffuse_args {
     const rsv_rgb *weight;
 } rsv_diffuse_args;
 
-/// What enters at a node also leaves there, unless a row says otherwise.
+/// Light that enters at a node also leaves there, unless a row says otherwise.
 RSV_INLINE void rsv_enter_item(const rsv_diffuse_args *a, uint32_t node)
 {
     a->entered[node] = a->diffused[node] = rsv_leave_value(&a->leave, node);

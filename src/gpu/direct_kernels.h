@@ -1,5 +1,5 @@
-/// Direct light: sources weighed at receiver points, places on them drawn, shadow rays traced, and what they tell. The
-/// arithmetic and the random numbers are those of src/direct/direct.c; only the order of a node's sums differs.
+/// Direct light: weights sources at receiver points, samples points on them, traces shadow rays, and forms estimates.
+/// Arithmetic and random numbers are those of src/direct/direct.c; only the order of a node's sums differs.
 #ifndef RSV_DIRECT_KERNELS_H
 #define RSV_DIRECT_KERNELS_H
 
@@ -21,7 +21,7 @@ typedef struct rsv_direct_args {
     rsv_direct_estimate *estimate;
 } rsv_direct_args;
 
-/// What arrives of an event's light.
+/// Light of an event that arrives.
 RSV_INLINE float rsv_direct_arrives(
     const rsv_direct_args *a, const rsv_next_event *event, bool varied)
 {
@@ -85,7 +85,7 @@ RSV_INLINE void rsv_direct_emitters_store(
 RSV_KERNEL_SUM_VARIED(direct_emitters, rsv_direct_args, rsv_event_sums, rsv_direct_emitters_lane,
     rsv_event_sums_merge, rsv_direct_emitters_store)
 
-/// What the sums say of a node.
+/// Estimate of a node from its sums.
 RSV_INLINE void rsv_direct_finish_item(const rsv_direct_args *a, uint32_t node)
 {
     const rsv_direct_setting *s = &a->setting;

@@ -1,5 +1,5 @@
-/// Frames: camera rays to what they show, and waves of the branches that mirrors and glass send on. The arithmetic is
-/// that of src/frame; only the order in which a pixel's branches are added up differs.
+/// Frames: camera rays, and waves of branches through mirrors and glass. The arithmetic is that of src/frame; only the
+/// order in which a pixel's branches are added up differs.
 #ifndef RSV_FRAME_KERNELS_H
 #define RSV_FRAME_KERNELS_H
 
@@ -44,12 +44,12 @@ typedef struct rsv_frame_args {
     rsv_hit *hit;                    ///< [pixels] of camera rays that specular paths begin at
     uint8_t *begins;                 ///< [pixels] whether one does
     const uint32_t
-        *list;      ///< of a wave: pixels that begin, or slots of `from`; of what is left: items
+        *list;      ///< of a wave: first pixels, or slots of `from`; of remaining work: items
     uint32_t items; ///< of the wave
     const rsv_gpu_traveller *from;
     rsv_gpu_traveller *to; ///< [RSV_FRAME_BRANCHES x items]
     uint8_t *alive;        ///< [RSV_FRAME_BRANCHES x items] slots in use
-    uint8_t *left;  ///< [items] whether the item's first slot holds what rsv_frame_scatter is to do
+    uint8_t *left;  ///< [items] whether the item's first slot is work for rsv_frame_scatter
     rsv_rgb *found; ///< [items] radiance
     uint32_t *found_by; ///< [items] pixel
 } rsv_frame_args;
@@ -120,7 +120,7 @@ RSV_INLINE bool rsv_frame_set_out(const rsv_frame_args *a, const rsv_surface_poi
     return true;
 }
 
-/// Whether what is transmitted goes straight on past a blended surface.
+/// Whether transmitted light continues straight past a blended surface.
 RSV_INLINE bool rsv_frame_passes(const rsv_gpu_stage *stage, const rsv_specular_path *path)
 {
     uint32_t material = rsv_specular_material(&stage->transport, path);
@@ -128,7 +128,7 @@ RSV_INLINE bool rsv_frame_passes(const rsv_gpu_stage *stage, const rsv_specular_
            rsv_is_blended(stage->transport.view, material);
 }
 
-/// Sets one ideal branch out, if it is to be followed. @param slot of the branch
+/// Starts one ideal branch, if it is to be followed. @param slot of the branch
 RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_traveller *at,
     const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches,
     rsv_gpu_traveller *slot)
@@ -137,7 +137,7 @@ RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_travelle
     if (!rsv_ideal_branch(&at->path, at->trail, a->path_depth, transmit, branches, &branch))
         return false;
     rsv_gpu_traveller t = *at;
-    // what a rough surface aims at is aimed at past blended surfaces, too
+    // sources sampled at a rough surface are sampled past blended surfaces too
     if (!transmit || !rsv_frame_passes(a->stage, &at->path)) t.departure.pdf_solid_angle = 0;
     if (!rsv_frame_set_out(a, point, &branch, &t)) return false;
     *slot = t;
@@ -150,7 +150,7 @@ RSV_INLINE bool rsv_frame_shows_emission(
     return stage->emission && rsv_side_shows_emission(bsdf, path->back);
 }
 
-/// A specular path that has arrived at a surface. @return what that shows; its branches go to the slots of `item`
+/// A specular path at a surface. @return the surface's light; its branches go to the slots of `item`
 RSV_INLINE rsv_rgb rsv_frame_arrive(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
 {
@@ -180,7 +180,7 @@ RSV_INLINE void rsv_frame_find(
     a->found_by[item] = pixel;
 }
 
-/// Whether a kernel without textures and rough lobes can show what a traveller has come to.
+/// Whether a kernel without textures and rough lobes can shade a traveller's surface.
 RSV_INLINE bool rsv_frame_is_plain(const rsv_gpu_stage *stage, const rsv_gpu_traveller *at)
 {
     if (at->departure.pdf_solid_angle != 0) return false;
@@ -210,7 +210,7 @@ RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
     rsv_gpu_traveller t;
     rsv_vec3 direction = rsv_frame_camera_ray(a, pixel).direction;
     t.path = rsv_specular_begin(&a->stage->transport, &eye->medium, direction, hit);
-    t.path.channel = RSV_CHANNEL_ALL; // a frame has too few samples to tell colours apart
+    t.path.channel = RSV_CHANNEL_ALL; // a frame has too few samples to separate colours
     rsv_specular_set_spread(&t.path, eye->spread, hit.t);
     t.departure.pdf_solid_angle = t.departure.sky_pdf = 0;
     t.departure.shot = t.missed = false;
@@ -271,7 +271,7 @@ RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_tr
     return true;
 }
 
-/// Radiance of what the table has all of, but for its emission.
+/// Radiance of a surface that is in the table, without its emission.
 RSV_INLINE rsv_rgb rsv_frame_unlit(
     const rsv_gpu_stage *stage, rsv_shown_side side, const rsv_specular_path *path)
 {
@@ -295,7 +295,7 @@ RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_specu
     return rgb_scale(rgb_mul(rgb_mul(branches->diffuse, bsdf->base_color), irradiance), 1 / RSV_PI);
 }
 
-/// A traveller that has arrived at a surface of any kind. @return what that shows
+/// A traveller at a surface of any kind. @return the surface's light
 RSV_INLINE rsv_rgb rsv_frame_scatter_at(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
 {
@@ -321,7 +321,7 @@ RSV_INLINE rsv_rgb rsv_frame_scatter_at(
     return found;
 }
 
-/// What other kernels have left. @param k of `list`
+/// Work left by other kernels. @param k of `list`
 RSV_INLINE void rsv_frame_scatter_item(const rsv_frame_args *a, uint32_t k)
 {
     const rsv_gpu_stage *stage = a->stage;
@@ -340,7 +340,7 @@ RSV_KERNEL(frame_scatter, rsv_frame_args, rsv_frame_scatter_item)
 
 // ---- pixels -------------------------------------------------------------------------------------
 
-/// Items of a pixel follow each other: the first one adds up what all have found.
+/// Items of a pixel are adjacent: the first one adds up all of them.
 RSV_INLINE void rsv_frame_gather_item(const rsv_frame_args *a, uint32_t item)
 {
     uint32_t pixel = a->found_by[item];

@@ -1,4 +1,4 @@
-/// Frames on the device: what is resident, and the waves of a frame.
+/// Frames on the device: resident data, and the waves of a frame.
 #include "frames.h"
 #include "compact.h"
 #include "frame_kernels.h"
@@ -7,13 +7,13 @@
 
 #include <stdlib.h>
 
-/// Of the device's memory, what branches on their way may take, all waves together.
+/// Fraction of device memory for branches in flight, all waves together.
 #define TRAVELLER_SHARE 16
 #define TRAVELLER_BYTES ((size_t)1 << 30)
 
 struct rsv_device_frames {
     rsv_gpu *gpu;
-    rsv_device_stage stage; ///< on the host; its arrays are valid during creation alone
+    rsv_device_stage stage; ///< on the host; its arrays are only valid during creation
     size_t pixels;          ///< of all eyes
     size_t slots;           ///< of a wave
     rsv_gpu_block resident, surroundings, room;
@@ -32,7 +32,7 @@ struct rsv_device_frames {
     rsv_gpu_traveller *traveller; ///< [path_depth + 1][slots]
 };
 
-// ---- what is resident ---------------------------------------------------------------------------
+// ---- resident data -------------------------------------------------------------------------------
 
 static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
@@ -175,7 +175,7 @@ static rsv_status create(
     f->args.varied = f->scene.bvh.holes != NULL;
     upload_scene(f);
     rsv_gpu_clear(f->gpu, f->args.sum, f->pixels * sizeof *f->args.sum); // fourth components, too
-    // what pads them, too
+    // including padding
     rsv_gpu_clear(f->gpu, f->traveller, traveller_count(f) * sizeof *f->traveller);
     status = rsv_gpu_wait(f->gpu, message);
     if (status == RSV_OK)

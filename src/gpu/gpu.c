@@ -1,4 +1,4 @@
-/// What all devices share.
+/// Shared by all devices.
 #include "gpu.h"
 
 #include <stdarg.h>

@@ -1,11 +1,11 @@
-/// The device as the plug-in's host code sees it: one queue, memory, recordings. Plain C; what a kernel is, launch.h says.
+/// Devices for the plug-in's host code: one queue, memory, recordings. Plain C; launch.h describes kernels.
 ///
-/// Two libraries are made of the same sources. In one, `gpu_cuda.cu` is the device and kernels run there. In the other,
-/// `gpu_emulated.c` is a device made of host memory and loops: it runs every line of the plug-in but the launches
-/// themselves, under any sanitizer, with memory limits and failures as a test wants them.
+/// Two libraries are built from the same sources. In one, the device is `gpu_cuda.cu`, and kernels run on it. In the
+/// other, it is `gpu_emulated.c`, made of host memory and loops. That one runs every line of the plug-in except the
+/// launches, under any sanitizer, with memory limits and failures chosen by a test.
 ///
-/// Work is queued and done in order. No call but rsv_gpu_wait needs its answer checked: the first failure is kept, all
-/// that comes after it does nothing, and rsv_gpu_wait tells.
+/// Work is queued and executed in order. Only rsv_gpu_wait needs its result checked: the first failure is stored,
+/// everything after it does nothing, and rsv_gpu_wait reports it.
 #ifndef RSV_GPU_H
 #define RSV_GPU_H
 
@@ -15,9 +15,9 @@
 extern "C" {
 #endif
 
-/// What plug-in code knows of an open device. A back end's own type starts with it.
+/// Data of an open device for plug-in code. The type of a back end starts with it.
 typedef struct rsv_gpu {
-    rsv_device device; ///< as the library knows it
+    rsv_device device; ///< the library's view of it
     rsv_status status; ///< of the first failure
     char message[RSV_DEVICE_MESSAGE_BYTES];
 } rsv_gpu;
@@ -29,10 +29,10 @@ void rsv_gpu_destroy(rsv_gpu *gpu);
 /// The oldest major compute capability that will do: launches want grid constants and shuffles as kernels use them.
 #define RSV_GPU_OLDEST 7
 
-/// Whether a device whose info is complete is new enough. @param message says what is wrong if it is not
+/// Whether a device with complete info is new enough. @param message out: what is wrong if it is not
 rsv_status rsv_gpu_check_capability(const rsv_device_info *info, int major, char *message);
 
-/// What a device says whose memory is too small: what takes how many MiB, and which device has how many.
+/// Message of a device with too little memory: what needs how many MiB, and which device has how many.
 #define RSV_GPU_TOO_SMALL                                                                          \
     "%s would take %.0f MiB, and %s has %.0f MiB free; use a lower quality, or compute on the "    \
     "CPU"
@@ -40,20 +40,21 @@ rsv_status rsv_gpu_check_capability(const rsv_device_info *info, int major, char
 /// Notes a failure, unless there was one.
 void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...) RSV_PRINTF(3, 4);
 
-/// Host memory of a task, all zero, to be freed with free(). @return NULL, with a message, if there is none
+/// Zeroed host memory of a task; free it with free(). @return NULL, with a message, if out of memory
 void *rsv_gpu_new(size_t bytes, char *message);
 
-/// Waits until all is done. A failure that leaves the device whole, such as too little memory, is forgotten once it is
-/// told: less may go well. @param message of the first failure, [RSV_DEVICE_MESSAGE_BYTES]; as it was if there is none
+/// Waits until all work is done. A failure that leaves the device intact, such as too little memory, is reported once
+/// and then cleared, because a smaller task may succeed. @param message of the first failure,
+/// [RSV_DEVICE_MESSAGE_BYTES]; unchanged if there is none
 rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message);
 
-/// Tells the first failure and forgets it as rsv_gpu_wait does, without waiting; for back ends.
+/// Reports and clears the first failure like rsv_gpu_wait, without waiting; for back ends.
 rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message);
 
 // ---- memory --------------------------------------------------------------------------------------
 
-/// One allocation that holds all arrays of a task, so that a card that is too small says so before the work starts.
-/// A layout is a function that places a task's arrays in a block:
+/// One allocation for all arrays of a task, so that a card with too little memory fails before the work starts. A
+/// layout is a function that places a task's arrays in a block:
 ///
 ///     static void lay_out(void *task, rsv_gpu_block *block)
 ///     {
@@ -70,14 +71,14 @@ typedef struct rsv_gpu_block {
 
 typedef void (*rsv_gpu_layout)(void *task, rsv_gpu_block *block);
 
-/// Measures, reserves and places. @param what takes the memory: for the message
+/// Measures, allocates and places. @param what needs the memory: for the message
 void rsv_gpu_lay_out(
     rsv_gpu *gpu, rsv_gpu_block *block, rsv_gpu_layout layout, void *task, const char *what);
 
 /// @return the array's address on the device, aligned to 256 bytes; NULL while measuring
 void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size);
 
-/// Allocates what was measured, uninitialised. @param what takes the memory: for the message
+/// Allocates the measured size, uninitialised. @param what needs the memory: for the message
 void rsv_gpu_reserve(rsv_gpu *gpu, rsv_gpu_block *block, const char *what);
 /// Waits for the queue and frees.
 void rsv_gpu_release(rsv_gpu *gpu, rsv_gpu_block *block);
@@ -105,7 +106,7 @@ void rsv_gpu_clear(rsv_gpu *gpu, void *device, size_t bytes);
 /// microseconds each, which a solver's small kernels would spend waiting.
 typedef struct rsv_gpu_recording rsv_gpu_recording;
 
-/// What is queued from here on is noted down instead of done.
+/// From here on, work is recorded instead of executed.
 void rsv_gpu_record(rsv_gpu *gpu);
 /// @return NULL after a failure, with which rsv_gpu_replay does nothing
 rsv_gpu_recording *rsv_gpu_recorded(rsv_gpu *gpu);

@@ -21,7 +21,7 @@ struct cuda_gpu {
 
 cuda_gpu *cuda_of(rsv_gpu *gpu) { return (cuda_gpu *)gpu; }
 
-/// Notes what a call says. @return whether it succeeded
+/// Records the error of a call. @return whether it succeeded
 bool check(rsv_gpu *gpu, cudaError_t error, const char *doing)
 {
     if (error == cudaSuccess) return true;
@@ -53,7 +53,7 @@ void print_version(char *text, size_t bytes, int version)
     snprintf(text, bytes, "%d.%d", version / 1000, version % 1000 / 10);
 }
 
-/// Whether there is a device, and what it is called.
+/// Finds the device and its name.
 rsv_status look(rsv_device_info *info, char *message)
 {
     int count = 0, driver = 0, runtime = 0;

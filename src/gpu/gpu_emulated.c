@@ -1,4 +1,4 @@
-/// A device made of host memory and loops.
+/// A device emulated with host memory and loops.
 #define RSV_KERNELS_HERE
 #include "launch.h"
 
@@ -30,7 +30,7 @@ typedef struct emulated {
     rsv_gpu gpu;
     size_t bytes_left;
     uint64_t launches;
-    rsv_gpu_recording *recording; ///< being made; NULL = what is queued is done at once
+    rsv_gpu_recording *recording; ///< in progress; NULL = work is executed at once
     double mark[RSV_GPU_MARKS];
 } emulated;
 
@@ -80,7 +80,7 @@ void rsv_gpu_reserve(rsv_gpu *gpu, rsv_gpu_block *block, const char *what)
             gpu->device.info.name, (double)e->bytes_left / 0x1p20);
         return;
     }
-    memset(block->base, 0xff, bytes); // NaN: what is read before it is written shows
+    memset(block->base, 0xff, bytes); // NaN, so that reading uninitialised memory shows
     e->bytes_left -= bytes;
 }
 

@@ -1,5 +1,5 @@
-/// Kernels. A kernel is a plain inline function in a header that is C17 and CUDA alike; this file makes it run on the
-/// device, or in a loop on the host where the device is emulated.
+/// Kernels. A kernel is a plain inline function in a header that is valid C17 and CUDA. This file makes it run on the
+/// device or, on the emulated device, in a loop on the host.
 ///
 /// 1. One call per item:
 ///
@@ -7,31 +7,33 @@
 ///        RSV_INLINE void rsv_scale_item(const rsv_scale_args *a, uint32_t i) { a->y[i] = a->factor * a->x[i]; }
 ///        RSV_KERNEL(scale, rsv_scale_args, rsv_scale_item)
 ///
-///    Host code then has `rsv_launch_scale(gpu, &args, count)`. Items run in any order and at the same time: the emulated
-///    device runs the last one first, so that a test sees who depends on the order.
+///    Host code can then call `rsv_launch_scale(gpu, &args, count)`. Items run in any order and in parallel. The emulated device
+///    runs the last one first, so that tests detect dependences on the order.
 ///
-/// 2. One sum per item, by RSV_LANES lanes: a warp on the device. `lane` is called for each of them, `add` joins their
-///    values pairwise, always the same pairs, and `store` gets the sum:
+/// 2. One sum per item, by RSV_LANES lanes: a warp on the device. `lane` is called for each of them, `add` combines
+/// their values
+///    in pairs, always the same ones, and `store` gets the sum:
 ///
 ///        RSV_INLINE double rsv_dot_lane(const rsv_dot_args *a, uint32_t chunk, uint32_t lane);
 ///        RSV_INLINE double rsv_dot_add(double a, double b);
 ///        RSV_INLINE void rsv_dot_store(const rsv_dot_args *a, uint32_t chunk, double sum);
 ///        RSV_KERNEL_SUM(dot, rsv_dot_args, double, rsv_dot_lane, rsv_dot_add, rsv_dot_store)
 ///
-///    Both devices form the same sums in the same order: what the emulated one finds, the other finds to the last bit,
-///    as long as both compilers leave out contractions (they are told to) and library functions.
+///    Both devices form the same sums in the same order: results are equal to the last bit, as long as both compilers avoid
+///    contractions (as instructed) and library functions.
 ///
-/// 3. Either in two forms, where it matters whether surfaces vary: `body` or `lane` gets that as a last argument, a
-///    constant of each form. Where it is false, whatever looks textures up is left out, and its registers are free. The
-///    launch chooses by `args->varied`:
+/// 3. Either kind in two forms, for surfaces that vary and surfaces that do not: `body` or `lane` gets this as its last
+/// argument,
+///    a constant of each form. If it is false, all texture lookups are compiled out, which frees registers. The launch selects
+///    the form by `args->varied`:
 ///
 ///        RSV_INLINE void rsv_look_item(const rsv_look_args *a, uint32_t i, bool varied);
 ///        RSV_KERNEL_VARIED(look, rsv_look_args, rsv_look_item)
 ///
 /// Pointers in `args` are device addresses. The structure itself is copied when the launch is queued: at most
-/// RSV_ARGS_BYTES. Headers with kernels end in `_kernels.h`. They are included three times: by host code, which sees
-/// prototypes of the launches; by `kernels_cuda.cu` and by `kernels_emulated.c`, which define RSV_KERNELS_HERE and get the
-/// launches themselves.
+/// RSV_ARGS_BYTES. Headers with kernels are named `*_kernels.h`. They are included three times: by host code, which
+/// sees prototypes of the launches, and by `kernels_cuda.cu` and `kernels_emulated.c`, which define RSV_KERNELS_HERE
+/// and get the launches themselves.
 #ifndef RSV_LAUNCH_H
 #define RSV_LAUNCH_H
 

@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(RSV_BLOCK_THREADS)
     if (own == 0) store(&args, item, sum);
 }
 
-/// Blocks of a grid for so many threads.
+/// Number of blocks for a number of threads.
 static inline uint32_t rsv_blocks(size_t threads)
 {
     return (uint32_t)((threads + RSV_BLOCK_THREADS - 1) / RSV_BLOCK_THREADS);

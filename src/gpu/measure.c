@@ -27,7 +27,7 @@ static void measure_copy(rsv_gpu *gpu, uint32_t repetitions, double *rate)
     rsv_gpu_release(gpu, &block);
 }
 
-/// What an application must move at least: each array of it once.
+/// Minimum number of bytes that an application moves: each array once.
 static size_t application_bytes(const rsv_device_transport *t)
 {
     const rsv_device_system *s = &t->system;
@@ -38,7 +38,7 @@ static size_t application_bytes(const rsv_device_transport *t)
            tinted * (sizeof *s->tinted_column + sizeof *s->tinted_weight);
 }
 
-/// Applications of a recording, so that launches weigh what they weigh in a solver.
+/// Applications per recording, so that launches cost as much as in a solver.
 enum { APPLICATIONS = 4 };
 
 static void measure_application(rsv_device_transport *t, uint32_t repetitions, double *seconds)

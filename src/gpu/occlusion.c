@@ -10,7 +10,7 @@
 struct rsv_device_occlusion {
     rsv_gpu *gpu;
     rsv_device_occlusion_desc
-        desc; ///< on the host; what it points to is valid during creation alone
+        desc; ///< on the host; its pointers are only valid during creation
     rsv_gpu_block resident, room;
     rsv_gpu_scene scene;
     rsv_occlusion_setting setting; ///< with addresses on the device, as the next one
@@ -132,7 +132,7 @@ static rsv_status create(rsv_device *device, const rsv_device_occlusion_desc *de
     return status;
 }
 
-/// One camera ray of each pixel, and rays from what it meets.
+/// One camera ray per pixel, and rays from its hit.
 static void render_by_rays(rsv_device_occlusion *o)
 {
     rsv_occlusion_args *a = &o->args;

@@ -11,7 +11,7 @@
 typedef struct rsv_occlusion_args {
     const rsv_occlusion_setting *setting;
     const rsv_occlusion_screen
-        *screen; ///< unused where occlusion is found by rays, but for its surfaces
+        *screen; ///< for occlusion by rays, only its surfaces are used
     rsv_bvh_view bvh;
     bool varied;            ///< some surfaces do
     rsv_seen_surface *seen; ///< [pixels]
@@ -22,7 +22,7 @@ typedef struct rsv_occlusion_args {
     uint8_t *open;        ///< [pixels of these][samples] whether a ray meets nothing
 } rsv_occlusion_args;
 
-/// What a camera ray of a pixel meets.
+/// The hit of a pixel's camera ray.
 RSV_INLINE rsv_seen_surface rsv_occlusion_see(
     const rsv_occlusion_args *a, float column_place, float row_place, bool varied)
 {
@@ -64,7 +64,7 @@ RSV_INLINE void rsv_occlusion_ray_item(const rsv_occlusion_args *a, uint32_t ite
 
 RSV_KERNEL_VARIED(occlusion_ray, rsv_occlusion_args, rsv_occlusion_ray_item)
 
-/// Adds what a camera ray shows to its pixel.
+/// Adds the light of a camera ray to its pixel.
 RSV_INLINE void rsv_occlusion_add_item(const rsv_occlusion_args *a, uint32_t item)
 {
     const rsv_occlusion_setting *s = a->setting;

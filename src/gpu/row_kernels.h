@@ -1,4 +1,4 @@
-/// Rays of rows of G, from receiver points to the nodes where they end: what src/operator/row_tracer.c does in packets.
+/// Rays of rows of G, from receiver points to the nodes where they end: the GPU version of src/operator/row_tracer.c.
 #ifndef RSV_ROW_KERNELS_H
 #define RSV_ROW_KERNELS_H
 
@@ -10,7 +10,7 @@
 typedef struct rsv_row_args {
     rsv_bvh_view bvh;
     const rsv_scene_view *scene;  ///< that of rsv_gpu_scene
-    const rsv_elements *elements; ///< face_level, face_slot, slot and cell_node alone
+    const rsv_elements *elements; ///< only face_level, face_slot, slot and cell_node
     const rsv_ray_target *target;
     const float *x, *y, *z; ///< [RSV_DIRECTION_SETS * rays] directions
     uint32_t rays, seed;

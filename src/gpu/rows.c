@@ -9,7 +9,7 @@
 
 struct rsv_device_rows {
     rsv_gpu *gpu;
-    rsv_device_rows_desc desc; ///< on the host; its arrays are valid during creation alone
+    rsv_device_rows_desc desc; ///< on the host; its arrays are only valid during creation
     rsv_gpu_block resident, room;
     rsv_gpu_scene scene;
     rsv_gpu_lookup lookup;

@@ -25,7 +25,7 @@ void rsv_gpu_scene_destroy(rsv_gpu_scene *s)
     *s = (rsv_gpu_scene){ .host = NULL };
 }
 
-// ---- what makes materials vary ------------------------------------------------------------------
+// ---- materials that vary -------------------------------------------------------------------------
 
 /// Numbers in all levels of a texture.
 static size_t count_numbers(const rsv_texture *t)

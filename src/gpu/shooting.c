@@ -10,7 +10,7 @@
 
 struct rsv_device_shooting {
     rsv_gpu *gpu;
-    rsv_device_shooting_desc desc; ///< on the host; its arrays are valid during creation alone
+    rsv_device_shooting_desc desc; ///< on the host; its arrays are only valid during creation
     rsv_gpu_block block;
     rsv_gpu_scene scene;
     rsv_gpu_scattering scattering;
@@ -22,7 +22,7 @@ struct rsv_device_shooting {
     rsv_gpu_range *range_there;
 };
 
-// ---- what is resident ---------------------------------------------------------------------------
+// ---- resident data -------------------------------------------------------------------------------
 
 static void place_guide(rsv_photon_guide *guide, rsv_gpu_block *b)
 {

@@ -1,11 +1,11 @@
-/// Photons from sources to where they land: what src/direct/photons.c does, photon by photon.
+/// Photons from sources to where they land: the GPU version of src/direct/photons.c, photon by photon.
 #ifndef RSV_SHOOTING_KERNELS_H
 #define RSV_SHOOTING_KERNELS_H
 
 #include "../direct/device_shooting.h"
 #include "launch.h"
 
-/// What photons need; it and all it points to lie on the device.
+/// Data for photons; the structure and all its pointers are in device memory.
 typedef struct rsv_gpu_range {
     rsv_transport_scene transport;
     rsv_tracer tracer;

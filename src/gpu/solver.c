@@ -1,4 +1,5 @@
-/// Solvers on the device: steps are recorded once and replayed, a few at a time; in between the host reads how far they got.
+/// Solvers on the device: steps are recorded once and replayed, a few at a time; in between the host reads how far they
+/// got.
 #include "../solver/stagnation.h"
 #include "bicgstab_kernels.h"
 #include "chebyshev_kernels.h"

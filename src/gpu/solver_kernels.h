@@ -1,5 +1,5 @@
-/// Solvers of (I - A) correction = residual that never ask the host: numbers that decide stay on the device. One RGB
-/// field; its channels are systems of their own, and one that has arrived is left alone.
+/// Solvers of (I - A) correction = residual that do not involve the host: numbers that control them stay on the device.
+/// They work on one RGB field. Its channels are independent systems; a channel that has converged is skipped.
 ///
 /// The methods are those of src/solver (series.c, chebyshev.c, bicgstab.c), with the same names.
 #ifndef RSV_SOLVER_KERNELS_H
@@ -10,7 +10,7 @@
 /// Nodes that are summed by one item of a reduction.
 #define RSV_NODES_PER_SUM 1024
 
-/// What a solver knows, channel by channel.
+/// State of a solver, by channel.
 typedef struct rsv_solver_state {
     double size[3], goal[3];                    ///< max |residual|: present, and small enough
     double rho[3], alpha[3], omega[3], beta[3]; ///< BiCGStab's; omega is Chebyshev's as well
@@ -18,7 +18,7 @@ typedef struct rsv_solver_state {
     double radius[3];      ///< Chebyshev's: the spectral radius as far as it has shown
     double start[3];       ///< and sizes when the acceleration began
     uint32_t plain, steps; ///< plain terms so far, and steps of the acceleration
-    uint32_t broke_down;   ///< whether something had to be divided by nothing
+    uint32_t broke_down;   ///< whether a division by zero would have occurred
 } rsv_solver_state;
 
 /// Fields are [node_count].
@@ -30,7 +30,7 @@ typedef struct rsv_solver_args {
     rsv_rgb *shadow, *t;
     rsv_rgb *p;           ///< Chebyshev's direction
     rsv_rgb *v;           ///< its image, and the series' next term
-    const rsv_rgb *a, *b; ///< what is reduced
+    const rsv_rgb *a, *b; ///< the fields to reduce
     double relative;      ///< of the sizes in the beginning
 } rsv_solver_args;
 

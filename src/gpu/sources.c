@@ -29,7 +29,7 @@ static void upload_tree(
 
 // ---- surroundings -------------------------------------------------------------------------------
 
-/// The sky beside the suns: absent where gathering finds all of it.
+/// The sky besides the suns; absent if all of it is gathered.
 static bool has_sky(const rsv_environment_light *light) { return light && light->sampler.flux > 0; }
 
 static size_t pixels_of(const rsv_sky *sky)

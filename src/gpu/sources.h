@@ -8,7 +8,7 @@
 /// All with addresses on the device.
 typedef struct rsv_gpu_sources {
     const rsv_lights *host; ///< borrowed until it is uploaded
-    bool seen;              ///< with the whole sky and its gathered part: for who looks at it
+    bool seen;              ///< includes the whole sky and its gathered part, for viewing
     rsv_lights lights;
     rsv_light_tree emitter_tree, punctual_tree;
     rsv_environment_light environment;

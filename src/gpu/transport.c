@@ -63,14 +63,14 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
     t->image = rsv_gpu_place(b, values, sizeof *t->image);
 }
 
-/// Makes room for so many fields at a time.
+/// Allocates memory for a number of fields.
 static void make_room(rsv_device_transport *t, size_t fields)
 {
     if (fields <= t->fields) return;
     t->fields = fields;
     rsv_gpu_release(t->gpu, &t->room);
     rsv_gpu_lay_out(t->gpu, &t->room, lay_out_room, t, "the fields of the operator");
-    if (!t->room.base) t->fields = 0; // asked for again, should there be a next time
+    if (!t->room.base) t->fields = 0; // so that the next call tries again
 }
 
 static void destroy(rsv_device_transport *t)
@@ -92,7 +92,7 @@ static rsv_status create(rsv_device *device, const rsv_device_system *system,
     t->system = *system;
     rsv_gpu_lay_out(t->gpu, &t->rows, lay_out_rows, t, "the operator");
     upload_rows(t);
-    rsv_gpu_clear(t->gpu, t->solver.state, sizeof *t->solver.state); // what pads it, too
+    rsv_gpu_clear(t->gpu, t->solver.state, sizeof *t->solver.state); // including padding
     make_room(t, 1);
     rsv_status status = rsv_gpu_wait(t->gpu, message);
     if (status == RSV_OK)

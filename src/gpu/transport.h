@@ -28,11 +28,11 @@ extern const rsv_device_transport_table rsv_gpu_transport;
 
 typedef void (*rsv_gather_launch)(rsv_gpu *gpu, const rsv_gather_args *args, size_t count);
 
-/// Queues a product of one field on the device, [node_count]: image = A field, or what else `launch` makes of it.
+/// Queues a product of one field on the device, [node_count]: image = A field, or another result of `launch`.
 void rsv_gpu_product(rsv_device_transport *transport, const rsv_rgb *field, rsv_rgb *image,
     rsv_gather_launch launch);
 
-/// Brings to the device what may have changed since the last call.
+/// Uploads everything that may have changed since the last call.
 void rsv_gpu_transport_refresh(rsv_device_transport *transport);
 
 /// Diffusion below the surfaces of translucent bodies; all of it nothing where there are none.

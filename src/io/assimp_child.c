@@ -1,4 +1,4 @@
-/// Assimp works in a child process: its importers crash on some malformed files, and there is nobody to mend them here.
+/// Runs Assimp in a child process: its importers crash on some malformed files, and cannot be mended here.
 #include "../scene/scene.h"
 #include "assimp_file.h"
 #include "child_process.h"
@@ -65,7 +65,7 @@ static rsv_status know_libraries(rsv_context *context, const rsv_file_source *fi
     return status;
 }
 
-/// What the child will ask for, as the caller's callbacks cannot be called there.
+/// Collects beforehand what the child will ask for, as it cannot call the caller's callbacks.
 static rsv_status know_files(rsv_context *context, const rsv_file_source *files, const char *path,
     rsv_file_kind kind, rsv_known_files *known)
 {

@@ -20,7 +20,7 @@
 #define MAX_LIBRARIES 8
 #define LARGEST_FILE ((int64_t)1 << 32)
 
-/// The files an import asked for in vain, and those that it got.
+/// The files that an import asked for: those it got, and those that were missing.
 typedef struct file_access {
     const rsv_file_source *files;
     const char *path; ///< of the file itself
@@ -32,7 +32,7 @@ typedef struct file_access {
     double origin[3];            ///< that was taken out of vertices
 } file_access;
 
-/// What is behind one of the importer's files.
+/// The state behind one of the importer's files.
 typedef struct stream {
     FILE *file;
     char *text; ///< that `file` reads; NULL = the disk
@@ -78,8 +78,8 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/// Whether the importer made a name up, having found no library of materials under that which the file gives: it puts folders
-/// before it, and takes the file's own.
+/// Whether the importer made a name up, having found no library of materials under that which the file gives: it puts
+/// folders before it, and takes the file's own.
 static bool is_guess(const file_access *access, const char *path)
 {
     const char *own = base_of(access->path), *name = base_of(path);
@@ -120,8 +120,8 @@ static bool open_regular(const rsv_file_source *files, const char *path, stream 
     return opened->file != NULL;
 }
 
-/// Wavefront files are read without what an importer mistakes for something else, COLLADA with all transforms as matrices,
-/// FBX with what says that a model is invisible.
+/// Cleans the text before the importer sees it: statements of Wavefront files that it would mistake for others,
+/// transforms in COLLADA that it ignores, and properties in FBX that make a model invisible.
 static void clean(file_access *access, const char *path, stream *opened)
 {
     const char *extension = strrchr(path, '.');
@@ -188,8 +188,8 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
     free(file);
 }
 
-/// What triangulation trusts. Assimp's own validation refuses whole files for what nobody uses, names that two lights share
-/// among them.
+/// Checks what triangulation relies on. Assimp's own validation would refuse whole files for harmless reasons, such as
+/// two lights of the same name.
 static rsv_status check_mesh(const struct aiMesh *mesh)
 {
     char name[RSV_NAME_BYTES];
@@ -235,12 +235,12 @@ static const struct aiScene *import(
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, 0);
     const struct aiScene *scene = aiImportFileExWithProperties(path, 0, &io, properties);
     aiReleasePropertyStore(properties);
-    // ours alone, until it is released
+    // not shared until it is released
     if (scene) rsv_assimp_strip((struct aiScene *)(uintptr_t)scene, losses);
     return scene;
 }
 
-/// What the importer's messages mean; its own words are for those who develop it.
+/// Translates the importer's messages for users: its own words are meant for its developers.
 static const char *meaning_of(const char *message)
 {
     static const char *const known[][2] = {
@@ -273,7 +273,7 @@ static const char *meaning_of(const char *message)
                     : "it is damaged, or too large for memory";
 }
 
-/// Why a file was refused, where, and what to do.
+/// Reports why a file was refused, where, and what to do.
 static rsv_status fail_import(const rsv_file_source *files, const char *path, rsv_file_kind kind)
 {
     char message[400], place[32] = "";

@@ -1,4 +1,4 @@
-/// A file through Assimp's importers, and what its C structures hold as plain values.
+/// Reads a file through Assimp's importers and turns Assimp's C structures into the library's own values.
 #ifndef RSV_ASSIMP_FILE_H
 #define RSV_ASSIMP_FILE_H
 
@@ -10,17 +10,17 @@
 
 #define RSV_NAME_BYTES 128
 
-/// Reads and triangulates a file. Importers may crash, hang or harm memory: call this in a child process
-/// (child_process.h). Materials and other files it refers to must be regular files; those that cannot be read are named in
-/// a warning, and so is what it holds that is not used. Errors say in our words what is wrong.
-/// @param imported to be released by aiReleaseImport @param origin out: what its coordinates are less
+/// Reads and triangulates a file. Importers may crash, hang or corrupt memory: call this in a child process
+/// (child_process.h). Materials and other files that it refers to must be regular files. Warnings name those that
+/// cannot be read, and anything in the file that is not used. Error messages are the library's own, not Assimp's.
+/// @param imported to be released by aiReleaseImport @param origin out: what was subtracted from all coordinates
 rsv_status rsv_assimp_import(rsv_context *context, const rsv_file_source *files, const char *path,
     rsv_file_kind kind, const struct aiScene **imported, double origin[3]);
 
 /// Whether a file has these bytes anywhere.
 bool rsv_file_mentions(const rsv_file_source *files, const char *path, const char *word);
 
-/// Imports a file and sends what it holds as parts of a scene (scene_parts.h).
+/// Imports a file and sends its contents as parts of a scene (scene_parts.h).
 rsv_status rsv_assimp_convert(rsv_context *context, const char *path, rsv_file_kind kind,
     const rsv_load_desc *desc, FILE *to);
 
@@ -31,10 +31,11 @@ void rsv_assimp_name(const struct aiString *source, const char *fallback, char *
 /// The number that metadata holds under `key`, or `fallback`.
 double rsv_assimp_number(const struct aiMetadata *metadata, const char *key, double fallback);
 
-/// By whose rules materials of a file are to be understood.
+/// How the materials of a file are to be interpreted: depends on the format and on the program that wrote it.
 typedef struct rsv_assimp_maker {
     rsv_file_kind kind;
-    /// Above 0: Blender wrote the file; roughness is 1 - sqrt(shininess / this), colours and textures those of its Principled BSDF.
+    /// Above 0: Blender wrote the file; roughness is 1 - sqrt(shininess / this), colours and textures those of its
+    /// Principled BSDF.
     float blender_shininess;
     bool
         blender_collada; ///< Blender wrote the file, in which the reflectivity is how metallic a material is
@@ -44,7 +45,7 @@ typedef struct rsv_assimp_maker {
 rsv_assimp_maker rsv_assimp_maker_of(
     const rsv_file_source *files, const char *path, rsv_file_kind kind, const struct aiScene *file);
 
-/// What a material of the file becomes; says in a warning what of it gets lost.
+/// Converts a material of the file; a warning names what is lost.
 /// @param name [RSV_NAME_BYTES] storage for material->name
 void rsv_assimp_material(const rsv_context *context, const rsv_assimp_maker *maker,
     const struct aiMaterial *source, char *name, rsv_material *material);

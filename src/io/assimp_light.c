@@ -1,6 +1,6 @@
-/// Neither format says what a light's strength is measured in. Programs write a strength and how it falls off, in units of the
-/// file: what arrives is strength / (attenuation x distance^2), so that the intensity in W/sr is (metres per unit)^2 of the
-/// quotient. Blender writes its watts, and next to them numbers that mean nothing.
+/// Neither format specifies the unit of a light's strength. Programs write a strength and a fall-off in the file's unit
+/// of length: the irradiance is strength / (attenuation x distance^2), so the intensity in W/sr is strength /
+/// attenuation x (metres per unit)^2. Blender writes its watts, next to other numbers that have no meaning.
 #include "assimp_light.h"
 
 #include "../core/vec.h"
@@ -102,7 +102,7 @@ static void warn_of_decay(const rsv_context *context, const char *name)
         name);
 }
 
-/// What the colour of a point or spot light is to be multiplied by, W/sr.
+/// Factor for the colour of a point or spot light, to W/sr.
 static double intensity_factor(
     const rsv_context *context, const rsv_assimp_facts *facts, const struct aiLight *source)
 {
@@ -137,7 +137,7 @@ static void take_cone(const rsv_assimp_facts *facts, const struct aiLight *sourc
     light->inner_cone_angle = f_min(f_max((float)inner, 0), light->outer_cone_angle);
 }
 
-/// What becomes of the kinds of lights that Assimp knows: none of ambient light.
+/// How each of Assimp's kinds of light is converted; ambient light is not.
 typedef struct light_kind {
     enum aiLightSourceType source;
     rsv_punctual_light_kind kind;

@@ -5,18 +5,18 @@
 #include "assimp_file.h"
 #include "collada_scan.h"
 
-/// What lights and cameras of a file are to be understood by.
+/// What the conversion of a file's lights and cameras depends on.
 typedef struct rsv_assimp_facts {
     rsv_file_kind kind;
     double metres_per_unit;
     bool watts;          ///< written by Blender 2.80 or later: strengths are watts
-    bool photometric;    ///< what the file means is lumens where it would be watts
+    bool photometric;    ///< strengths are in lumens where they would otherwise be in watts
     bool has_decay;      ///< .fbx: some light says how it falls off
     bool has_fov;        ///< .fbx: some camera says its field of view
-    rsv_collada collada; ///< .dae: what its text says
+    rsv_collada collada; ///< .dae: what a scan of its text found
 } rsv_assimp_facts;
 
-/// What a file is to be understood by beside what it holds.
+/// What the conversion of a file depends on besides its contents.
 typedef struct rsv_assimp_reading {
     const rsv_file_source *files;
     const char *path;
@@ -25,10 +25,11 @@ typedef struct rsv_assimp_reading {
     double metres_per_unit; ///< of its coordinates
 } rsv_assimp_reading;
 
-/// Whether the file was written by a Blender whose lights have watts, and whose materials are those of the Principled BSDF.
+/// Whether the file was written by a Blender whose lights have watts, and whose materials are those of the Principled
+/// BSDF.
 bool rsv_assimp_by_blender(const struct aiScene *file);
 
-/// Says in a note what strengths of lights mean where the file does.
+/// Collects the facts. A note tells the user how the strengths of lights are interpreted.
 rsv_status rsv_assimp_learn(rsv_context *context, const rsv_assimp_reading *reading,
     const struct aiScene *file, rsv_assimp_facts *facts);
 void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts);

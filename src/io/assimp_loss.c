@@ -19,7 +19,7 @@ static void strip_mesh(struct aiMesh *mesh, rsv_assimp_losses *losses)
         losses->lines += mesh->mFaces[i].mNumIndices == 1 || mesh->mFaces[i].mNumIndices == 2;
         losses->broken += mesh->mFaces[i].mNumIndices == 0;
     }
-    // what stays allocated ends with this process
+    // the arrays stay allocated until this process ends
     mesh->mNumBones = 0;
     mesh->mNumAnimMeshes = 0;
 }
@@ -34,7 +34,8 @@ void rsv_assimp_strip(struct aiScene *file, rsv_assimp_losses *losses)
 
 // ---- materials --------------------------------------------------------------------------------------
 
-/// Properties that assimp_material.c reads, that textures bring along, that say the same as another, or nothing about how a surface looks.
+/// Properties that assimp_material.c reads, that textures bring along, that say the same as another, or nothing about
+/// how a surface looks.
 static bool is_known(const char *key)
 {
     static const char *const known[] = { "?mat.name", "$mat.shadingm", "$mat.twosided",
@@ -84,7 +85,7 @@ static void add_name(name_list *list, const char *name)
     if (list->count == sizeof list->seen / sizeof *list->seen) return;
     list->seen[list->count++] = name;
     if (list->count > MOST_NAMES) return;
-    // "$mat.anisotropyFactor": what stands behind the point is what a user may know
+    // "$mat.anisotropyFactor": users know the part after the point
     const char *point = strchr(name, '.');
     snprintf(list->text + used, sizeof list->text - used, "%s%.40s", used ? ", " : "",
         *name == '$' && point ? point + 1 : name);
@@ -101,7 +102,7 @@ static void warn_of_properties(
         const struct aiMaterial *material = file->mMaterials[i];
         for (unsigned k = 0; k < material->mNumProperties; k++) {
             const struct aiMaterialProperty *property = material->mProperties[k];
-            // what Blender reflects are its metals (assimp_material.c)
+            // in files by Blender, reflection comes from metals (assimp_material.c)
             bool metal = by_blender && strstr(property->mKey.data, ".reflectiv");
             if (is_known(property->mKey.data) || is_idle(property) || metal) continue;
             add_name(&list, property->mKey.data);

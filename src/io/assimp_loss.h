@@ -1,4 +1,4 @@
-/// What a file holds that a scene has no use for: taken out before anything trips over it, and named once.
+/// Contents of a file that a scene has no use for: removed before they can cause trouble, and each named once.
 #ifndef RSV_ASSIMP_LOSS_H
 #define RSV_ASSIMP_LOSS_H
 
@@ -10,10 +10,10 @@ typedef struct rsv_assimp_losses {
     size_t broken;                    ///< faces without corners, and meshes without faces
 } rsv_assimp_losses;
 
-/// Takes bones, morph targets, colours and animations out of what was imported.
+/// Removes bones, morph targets, colours and animations from what was imported.
 void rsv_assimp_strip(struct aiScene *file, rsv_assimp_losses *losses);
 
-/// Warns of what was lost, materials' properties included.
+/// Warns of what was lost, including properties of materials.
 void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path,
     const struct aiScene *file, const rsv_assimp_losses *losses);
 

@@ -1,9 +1,9 @@
 /// Phong materials of the older formats, and metallic-roughness ones, as rsv_material.
 ///
-/// Phong models state a highlight, not a reflectance, and no two programs mean the same by it. What is read
-/// here: a surface with a specular colour is a dielectric whose highlight is scaled by it, unless the
-/// file asks for ray-traced reflection (`illum` 3 and above in .mtl): then the colour is a mirror's. Opacity is
-/// coverage, except for ray-traced refraction, which is glass.
+/// Phong models state a highlight, not a reflectance, and no two programs agree on its meaning. Here, a surface with a
+/// specular colour is a dielectric whose highlight is scaled by that colour. If the file asks for ray-traced reflection
+/// (`illum` 3 and above in .mtl), the colour is that of a mirror instead. Opacity is coverage, except with ray-traced
+/// refraction, which is glass.
 #include "assimp_file.h"
 
 #include "../core/vec.h"
@@ -26,7 +26,7 @@
 typedef struct phong {
     rsv_rgb diffuse, specular, filter;
     float shininess, opacity, ior;
-    bool traced; ///< reflection or refraction is meant to be ray-traced
+    bool traced; ///< reflection or refraction should be ray-traced
 } phong;
 
 static float read_float(
@@ -109,11 +109,11 @@ static void become_glass(const phong *p, rsv_material *material)
     material->thickness = 1;
     material->roughness = 0;
     material->ior = p->ior;
-    // programs disagree on whether the filter says what passes or what does not; its hue is safe
+    // programs disagree on whether the filter transmits or absorbs this colour; only its hue is safe
     material->base_color = hue_of(p->filter);
 }
 
-/// A share of ideal metal, as large as the specular colour's part of all that is reflected.
+/// Turns a share of the surface into ideal metal: the specular colour's share of the total reflectance.
 static void become_mirror(const phong *p, rsv_material *material)
 {
     float mirror = rgb_max(p->specular), rest = rgb_max(p->diffuse);
@@ -200,7 +200,8 @@ static float blender_metallic(const struct aiMaterial *source, rsv_file_kind kin
     return reflects ? ambient : 0;
 }
 
-/// The exporters write the sockets of a Principled BSDF in Phong's terms. 8 % of `specular` is the reflectance of its dielectric.
+/// The exporters write the sockets of a Principled BSDF in Phong's terms. 8 % of `specular` is the reflectance of its
+/// dielectric.
 static void take_blender(
     const struct aiMaterial *source, const rsv_assimp_maker *maker, rsv_material *material)
 {

@@ -1,4 +1,4 @@
-/// From what Assimp read to parts of a scene.
+/// Turns the scene that Assimp read into parts (scene_parts.h).
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"
 #include "assimp_light.h"
@@ -162,8 +162,8 @@ cleanup:
     return status;
 }
 
-/// These formats show both sides of a polygon; a lamp shines from its front, as everywhere here, and the surface of a body
-/// separates inside from outside.
+/// These formats show both sides of a polygon; a lamp shines from its front, as everywhere here, and the surface of a
+/// body separates inside from outside.
 static bool shows_both_sides(const rsv_material *material)
 {
     return rgb_is_black(material->emission) && material->thickness == 0;
@@ -183,7 +183,7 @@ static rsv_status add_materials(const reader *r, const char *path)
         rsv_assimp_material(r->context, &maker, r->file->mMaterials[i], name, &material);
         RSV_TRY(rsv_assimp_take_textures(&textures, r->file->mMaterials[i], ref, &material));
         material.double_sided = shows_both_sides(&material);
-        // as the exporter of glTF, those of Blender leave emission alone
+        // Blender's exporters leave emission unscaled, as for glTF
         if (r->facts.photometric && !r->facts.watts)
             material.emission = rgb_scale(material.emission, (float)(1 / RSV_LUMENS_PER_WATT));
         rsv_send_material(r->to, &material);
@@ -232,8 +232,9 @@ static named *find_named(const named_list *list, const struct aiString *name, si
     return *count ? &list->item[low] : NULL;
 }
 
-/// The lights or cameras of a node: where several nodes share a name, they share what bears it, in the order of the file.
-/// @param first out: of `list` @return how many
+/// Takes the lights or cameras of a node. If several nodes share a name, the entries of that name are dealt out in file
+/// order.
+/// @param first out: index in `list` @return how many
 static size_t take_own(const named_list *list, const struct aiString *name, size_t *first)
 {
     size_t count;
@@ -285,7 +286,7 @@ static void matrix_of(const struct aiMatrix4x4 *m, double result[16])
         result[i] = (double)row[i % 4][i / 4];
 }
 
-/// What FBX says of a node: `Show`, which concerns neither its children nor its cameras.
+/// FBX's `Show` of a node. It affects neither its children nor its cameras.
 static bool is_shown(const struct aiNode *node)
 {
     const struct aiMetadata *metadata = node->mMetaData;
@@ -340,8 +341,8 @@ cleanup:
     return status;
 }
 
-/// Where the root's own coordinates lie.
-/// @param origin what the file's coordinates are less
+/// The transform of the root node.
+/// @param origin what was subtracted from the file's coordinates
 static void place_root(
     const reader *r, const double file_to_scene[16], const double origin[3], double world[16])
 {
@@ -448,7 +449,7 @@ static rsv_status allocate(reader *r)
     return RSV_OK;
 }
 
-/// Metres per unit at the root: the cube root of what becomes of a unit's volume, negative where that is turned inside out.
+/// Metres per unit at the root: the cube root of the determinant, so negative for a transform that mirrors.
 static double metres_per_unit(const double m[16])
 {
     double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +

@@ -11,7 +11,7 @@
 /// Which materials a slot is for.
 enum { OF_ANY, OF_PHONG = 1, OF_BLENDER = 2, OF_METALLIC = 4 };
 
-/// What a kind of texture becomes.
+/// How a kind of texture is used.
 typedef struct slot {
     enum aiTextureType type;
     rsv_texture_role role;
@@ -20,7 +20,8 @@ typedef struct slot {
     unsigned of; ///< OF_ANY, or which
 } slot;
 
-/// The first that a material has counts for its role and use. Blender writes roughness and metal where Phong has others.
+/// The first that a material has counts for its role and use. Blender writes roughness and metal where Phong has
+/// others.
 static const slot slots[] = {
     { aiTextureType_BASE_COLOR, RSV_TEXTURE_BASE_COLOR, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
     { aiTextureType_DIFFUSE, RSV_TEXTURE_BASE_COLOR, true, RSV_TEXTURE_AS_IT_IS, OF_ANY },
@@ -40,7 +41,7 @@ static const slot slots[] = {
         OF_PHONG | OF_BLENDER },
 };
 
-/// What is known of a material whose textures are looked for.
+/// The state of a material while its textures are looked for.
 typedef struct painted {
     const rsv_assimp_maker *maker;
     const struct aiMaterial *source;
@@ -88,7 +89,7 @@ static bool is_meant(const painted *p, const slot *s)
            (s->of & OF_METALLIC && p->is_metallic) || (s->of & OF_BLENDER && by_blender);
 }
 
-// ---- what is sent -----------------------------------------------------------------------------------
+// ---- textures that are used -------------------------------------------------------------------------
 
 static rsv_wrap wrap_of(enum aiTextureMapMode mode)
 {
@@ -227,7 +228,7 @@ static bool describe(const rsv_assimp_textures *t, const painted *p, const slot 
     return true;
 }
 
-/// Whether what a slot tells was told by one before.
+/// Whether an earlier slot already provides the same property.
 static bool is_told(const bool *taken, size_t index, bool packed)
 {
     const slot *s = &slots[index];
@@ -238,8 +239,8 @@ static bool is_told(const bool *taken, size_t index, bool packed)
     return false;
 }
 
-/// In .mtl a texture multiplies what stands beside it, and emission of none is meant to show it. Elsewhere, and in all that
-/// Blender writes, it stands in its place.
+/// In .mtl a texture multiplies the colour beside it; an emission of zero is then meant to show the texture alone. In
+/// other formats, and in all files by Blender, the texture replaces the colour.
 static void make_white(
     const rsv_assimp_maker *maker, const slot *s, const rsv_part_texture *texture, rsv_material *m)
 {
@@ -255,13 +256,13 @@ static void make_white(
     }
 }
 
-/// `strength` is what FBX multiplies an emission texture by.
+/// `strength` is FBX's factor for an emission texture.
 static void make_shine(rsv_file_kind kind, float strength, rsv_material *m)
 {
     if (kind != RSV_FILE_OBJ || rgb_is_black(m->emission)) m->emission = rgb_gray(strength);
 }
 
-// ---- what is not used -------------------------------------------------------------------------------
+// ---- textures that are not used ---------------------------------------------------------------------
 
 static const char *name_of_type(int type)
 {

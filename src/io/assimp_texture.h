@@ -17,8 +17,8 @@ typedef struct rsv_assimp_textures {
     size_t count, capacity;
 } rsv_assimp_textures;
 
-/// Sends the textures of a material that were not sent, and lets the material refer to them by their numbers. Where the format
-/// has a texture replace a colour, that becomes white. A warning names what is not used.
+/// Sends those textures of a material that have not been sent yet, and enters their numbers in the material. Where the
+/// format lets a texture replace a colour, that colour becomes white. A warning names what is not used.
 /// @param ref storage for material->textures
 rsv_status rsv_assimp_take_textures(rsv_assimp_textures *textures, const struct aiMaterial *source,
     rsv_texture_ref ref[RSV_ASSIMP_MOST_TEXTURES], rsv_material *material);

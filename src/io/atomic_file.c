@@ -19,8 +19,8 @@ static rsv_status fail_write(const char *path, int error)
     return rsv_fail(RSV_ERROR_IO, "cannot write '%s': %s", path, strerror(error));
 }
 
-/// Where the data shall end up: `path`, or what the symbolic link there points to. Stores the
-/// permissions of the file that will be replaced, 0 if there is none.
+/// Finds the final target: `path`, or the file that a symbolic link there points to. Stores the
+/// permissions of the file to be replaced, 0 if there is none.
 static rsv_status find_target(rsv_atomic_file *file, const char *path, mode_t *permissions)
 {
     struct stat existing;

@@ -35,7 +35,7 @@ void rsv_atomic_file_append(rsv_atomic_file *file, const void *data, size_t byte
 void rsv_atomic_file_write_at(
     rsv_atomic_file *file, uint64_t offset, const void *data, size_t bytes);
 
-/// What was written before.
+/// Reads back data that was written before.
 void rsv_atomic_file_read_at(rsv_atomic_file *file, uint64_t offset, void *data, size_t bytes);
 
 /// Flushes to the disk and renames. On failure of this or any earlier write the temporary is

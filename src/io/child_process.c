@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/// What an honest importer stays far below.
+/// Limits that no working importer comes near.
 #define SECONDS_AT_LEAST 10
 #define BYTES_PER_SECOND 100000
 #define MEMORY_AT_LEAST ((size_t)512 << 20)
@@ -21,7 +21,7 @@
 
 #define MESSAGE_BYTES 400
 
-/// Memory for an input: also for what is made of it.
+/// Memory limit for an input of this size, including the data made from it.
 static size_t most_memory(size_t bytes) { return MEMORY_AT_LEAST + MEMORY_PER_BYTE * bytes; }
 
 static void limit(int resource, size_t most)
@@ -59,7 +59,7 @@ static void prepare_child(size_t bytes)
     if (used) limit(RLIMIT_AS, used + most_memory(bytes));
 }
 
-/// What a child has to do.
+/// The work of a child.
 typedef struct child_task {
     rsv_child_work work;
     void *user;

@@ -8,15 +8,15 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/// What is done; must not depend on other threads. @param answer where results go
-/// @return as usual, with a message of rsv_fail
+/// The work to do; must not depend on other threads. @param answer where results are written
+/// @return an error as usual, with a message set by rsv_fail
 typedef rsv_status (*rsv_child_work)(void *user, FILE *answer);
 
-/// Does `work` in a child of this process, with bounds to its time and memory that grow with the input. Nothing of what it
-/// does to memory reaches the caller: all that comes back is the bytes of its answer, or its error. Where it crashes, hangs
-/// or runs out of memory, the error says so.
-/// @param bytes of the input @param answer, count out: to be released by rsv_free(context, ...); bytes that the child sent,
-/// which may have gone astray before: check them
+/// Runs `work` in a child of this process, with limits on time and memory that grow with the input. Nothing it does to
+/// memory reaches the caller: only the bytes of its answer, or its error, come back. If it crashes, hangs or runs out
+/// of memory, that becomes an error.
+/// @param bytes size of the input @param answer, count out: the bytes that the child sent, to be released by
+/// rsv_free(context, ...). The child may have corrupted its memory before it sent them: check them
 rsv_status rsv_in_child_process(rsv_context *context, rsv_child_work work, void *user, size_t bytes,
     uint8_t **answer, size_t *count);
 

@@ -30,8 +30,9 @@ static void normalise(double a[3])
         a[axis] /= length;
 }
 
-/// What a skew adds to the identity is sum * along * across^T: it turns `axis` by the angle towards `along`, and moves points
-/// along the latter alone (as RenderMan's Skew does). Where that cannot be, nothing moves.
+/// A skew adds sum * along * across^T to the identity: it turns `axis` by the angle towards `along`, and moves points
+/// only in the direction of the latter (as RenderMan's Skew does). If the skew is impossible, the matrix is the
+/// identity.
 /// @param skew angle in degrees, axis, along
 static void make_matrix(const double skew[7], double matrix[16])
 {

@@ -5,10 +5,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/// Whether an element is read, is told of elsewhere (textures, animations, bones), or says nothing about how a scene looks.
+/// Whether an element is read, is reported elsewhere (textures, animations, bones), or does not affect how a scene
+/// looks.
 bool rsv_collada_knows_element(const char *name, size_t length);
 
-/// Whether an element is of the format and has no place here, with all that lies in it.
+/// Whether an element belongs to the format but is not used here, along with everything inside it.
 bool rsv_collada_passes_over(const char *name, size_t length);
 
 #endif

@@ -1,4 +1,4 @@
-/// Walks over the tags of an XML file and keeps the few values that are asked for.
+/// Walks over the tags of an XML file and keeps only the values needed.
 #include "collada_scan.h"
 
 #include "../core/core.h"
@@ -182,15 +182,15 @@ static void note_unused(rsv_collada *found, const char *name)
     size_t used = strlen(found->unused), length = strlen(name);
     for (const char *at = strstr(found->unused, name); at; at = strstr(at + 1, name))
         if ((at == found->unused || at[-1] == ' ') && (at[length] == ',' || !at[length])) return;
-    if (used + length + 8 > sizeof found->unused) { // an endless list helps nobody
+    if (used + length + 8 > sizeof found->unused) { // keep the list short
         if (strcmp(found->unused + used - 3, "...") != 0) strcat(found->unused, ", ...");
         return;
     }
     snprintf(found->unused + used, sizeof found->unused - used, "%s%s", used ? ", " : "", name);
 }
 
-/// Geometry that is no mesh, libraries of what has no place here, what programs put beside the format, and what is not of it.
-/// What lies in any of them goes without saying.
+/// Notes what is not used: geometry other than meshes, libraries of no use here, extensions by programs, and unknown
+/// tags. Tags inside any of these are not named.
 static void judge_tag(scanner *s, const tag *t)
 {
     char profile[RSV_COLLADA_NAME_BYTES] = "", name[RSV_COLLADA_NAME_BYTES + 32] = "";
@@ -277,7 +277,7 @@ static void check_unit(const scanner *s, const tag *t)
             "%s: its <unit> of '%s' is not a number of metres; 1 is used", s->path, meter);
 }
 
-/// Likewise what is no axis for y.
+/// Warns of an up axis that is not valid.
 static void check_up_axis(const scanner *s)
 {
     static const char *const axes[] = { "X_UP", "Y_UP", "Z_UP" };
@@ -288,7 +288,7 @@ static void check_up_axis(const scanner *s)
         "%s: its <up_axis> is not X_UP, Y_UP or Z_UP; Y_UP is used", s->path);
 }
 
-/// What collada_clean.c mends before the importer sees it.
+/// Counts what collada_clean.c mends before the importer sees it.
 static void check_numbers(scanner *s, const tag *t)
 {
     char count[RSV_COLLADA_NAME_BYTES], *end = NULL;

@@ -1,4 +1,4 @@
-/// What a COLLADA file says of its cameras and lights that Assimp's structures cannot hold, or get wrong.
+/// What a COLLADA file says of its cameras and lights that Assimp's structures cannot hold, or hold wrongly.
 #ifndef RSV_COLLADA_SCAN_H
 #define RSV_COLLADA_SCAN_H
 
@@ -49,15 +49,15 @@ typedef struct rsv_collada {
     size_t object_count, object_capacity;
     rsv_collada_instance *instance; ///< [instance_count], in the order of the file
     size_t instance_count, instance_capacity;
-    rsv_collada_name *id; ///< [id_count] of all that can be referred to
+    rsv_collada_name *id; ///< [id_count] every id that can be referred to
     size_t id_count, id_capacity;
     rsv_collada_name *reference; ///< [reference_count] without the '#' of this file
     size_t reference_count, reference_capacity;
-    char unused[400]; ///< names of what nothing here reads, with commas
+    char unused[400]; ///< names of elements that are not read, separated by commas
 } rsv_collada;
 
-/// Reads a file that Assimp has taken for COLLADA; whatever is not understood is passed over. Warns of references to what
-/// the file does not hold, and of kinds of things in it that are not used.
+/// Reads a file that Assimp has accepted as COLLADA, and skips what it does not understand. Warns of references to ids
+/// that the file does not contain, and of kinds of elements that are not used.
 rsv_status rsv_collada_scan(
     rsv_context *context, const rsv_file_source *files, const char *path, rsv_collada *collada);
 void rsv_collada_release(rsv_context *context, rsv_collada *collada);

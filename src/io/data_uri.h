@@ -4,7 +4,7 @@
 
 #include "../core/core.h"
 
-/// "data:TYPE;base64,...", to be freed by rsv_free; NULL on exhaustion.
+/// "data:TYPE;base64,...", to be freed by rsv_free; NULL when out of memory.
 char *rsv_data_uri(rsv_context *context, const char *type, const void *data, size_t bytes);
 
 #endif

@@ -46,7 +46,7 @@ static double twice_area(const double a[2], const double b[2], const double c[2]
     return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
 }
 
-/// Whether the corner `k` of what is left sticks out, and no other corner lies in its triangle.
+/// Whether corner `k` of the remaining polygon is convex, and no other corner lies in its triangle.
 static bool is_ear(const flat_polygon *f, size_t k)
 {
     size_t n = f->left_count;

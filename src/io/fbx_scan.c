@@ -24,7 +24,8 @@ static size_t put_text(char *to, const char *text, size_t length)
     return 5 + length;
 }
 
-/// Type and label follow the name; the label, which is empty, takes what the type has too many.
+/// The type and the label follow the name. The new type is shorter; the label, which is empty, is padded by the
+/// difference.
 static bool change_binary(char *at, const char *end, const odd_property *p)
 {
     char before[128];
@@ -63,7 +64,8 @@ static size_t change_all(char *bytes, size_t size, const odd_property *p)
     return count;
 }
 
-/// The number of a property whose name ends at `at`: behind type, label and flags, as 'D' and its eight bytes. 0 = there is none
+/// The number of a property whose name ends at `at`: behind type, label and flags, as 'D' and its eight bytes. 0 =
+/// there is none
 static double binary_number(const char *at, const char *end)
 {
     double value = 0;

@@ -1,4 +1,4 @@
-/// What FBX files say of models in a way that Assimp passes over.
+/// Properties of models in FBX files that are stored in a way that Assimp ignores.
 #ifndef RSV_FBX_SCAN_H
 #define RSV_FBX_SCAN_H
 
@@ -6,8 +6,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/// Makes the properties Visibility and Visibility Inheritance of a file, text or binary, of types that Assimp reads: they
-/// become metadata of nodes. All else stays where it is. @return the file, to be freed; NULL = it has none of them
+/// Gives the properties Visibility and Visibility Inheritance, in text or binary, types that Assimp reads, so that they
+/// become metadata of nodes. All other bytes stay in place. @return the file, to be freed; NULL = it has no such
+/// property
 char *rsv_fbx_clean(FILE *file, size_t *size);
 
 /// Whether some camera of a file has a film that is shifted. @param bytes [size], '\0' behind them

@@ -1,4 +1,4 @@
-/// Files of a scene: those of the file system, or what a caller gives in their place (rsv_file_source, NULL = the file system).
+/// Files of a scene: from the file system, or from callbacks of the caller (rsv_file_source; NULL = the file system).
 #ifndef RSV_FILE_SOURCE_H
 #define RSV_FILE_SOURCE_H
 
@@ -14,15 +14,16 @@ extern "C" {
 /// Bytes of a file; -1, and errno, if there is none. Folders, pipes and devices are no files.
 int64_t rsv_file_size(const rsv_file_source *source, const char *path);
 
-/// Opens it to be read, and to be closed by fclose. NULL, and errno, if that fails.
+/// Opens a file for reading; close it with fclose. NULL, and errno, on failure.
 FILE *rsv_file_open(const rsv_file_source *source, const char *path);
 
-/// The whole of a file, at most 4 GiB, with a zero behind it. Messages do not name it.
+/// Reads a whole file of at most 4 GiB and puts a zero byte after it. Messages do not name the file.
 /// @param bytes out: to be released by rsv_free, also after a failure
 rsv_status rsv_file_read(rsv_context *context, const rsv_file_source *source, const char *path,
     char **bytes, size_t *size);
 
-/// The rest of a stream, with a zero behind it. @return to be freed by free; NULL where nothing is left, or no memory
+/// Reads the rest of a stream and puts a zero byte after it. @return to be freed by free; NULL = nothing left, or out
+/// of memory
 char *rsv_stream_read(FILE *file, size_t *size);
 
 #define RSV_KNOWN_FILES 16
@@ -41,7 +42,7 @@ rsv_status rsv_know_file(
     rsv_context *context, const rsv_file_source *source, const char *name, rsv_known_files *known);
 void rsv_forget_files(rsv_context *context, rsv_known_files *known);
 
-/// A source of what is known.
+/// A file source that serves the files in `known`.
 rsv_file_source rsv_known_source(rsv_known_files *known);
 
 #ifdef __cplusplus

@@ -12,8 +12,8 @@ typedef struct elements {
     int component_type;
 } elements;
 
-/// Finds `count` elements of `element_bytes` each and checks that they lie in their buffer view, and the
-/// view in its buffer. NULL, or what is wrong.
+/// Finds `count` elements of `element_bytes` each, and checks that they lie in their buffer view and the
+/// view in its buffer. @return NULL = they do, or what is wrong
 static const char *locate(const rsv_gltf_document *document, rsv_gltf_span span, size_t count,
     size_t element_bytes, elements *found)
 {

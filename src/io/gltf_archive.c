@@ -43,7 +43,7 @@ static void put_chunk(packer *p, uint32_t type, const void *data, size_t count)
     pad(p, type == RSV_GLB_JSON ? ' ' : 0);
 }
 
-/// A file beside the document; data within it are there already.
+/// Adds a file beside the document. Data within the document need not be added.
 static void put_file(packer *p, const char *uri, const uint8_t *data, size_t count)
 {
     if (!uri || !data || strncmp(uri, "data:", 5) == 0) return;
@@ -95,7 +95,7 @@ static uint32_t number_at(const uint8_t *b)
     return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
-/// What a chunk of type "FILE" holds; false if that is none.
+/// Reads the contents of a chunk of type "FILE"; false for other chunks.
 static bool open_file(rsv_gltf_chunk *chunk)
 {
     if (chunk->size < FILE_HEADER) return false;

@@ -52,7 +52,7 @@ static size_t target_count(const rsv_gltf_document *document, const rsv_gltf_nod
     return most;
 }
 
-/// Refuses what no memory holds, before it is tried: accessors without bytes in the file can promise anything.
+/// Fails before an allocation that memory cannot hold: accessors without bytes in the file can state any size.
 static rsv_status account(reading *r, int accessor)
 {
     if (!refers(accessor, r->document->accessor_count)) return RSV_OK; // refused when it is read
@@ -145,7 +145,7 @@ cleanup:
 
 static rsv_status read_channel(reading *r, const rsv_gltf_channel *channel)
 {
-    if (channel->node == -1 || channel->path == RSV_GLTF_OTHER_PATH) return RSV_OK; // told by notes
+    if (channel->node == -1 || channel->path == RSV_GLTF_OTHER_PATH) return RSV_OK; // in notes
     if (!refers(channel->node, r->document->node_count))
         return rsv_fail(RSV_ERROR_FORMAT, "animation '%s': node %d does not exist",
             r->animation->name, channel->node);
@@ -173,7 +173,7 @@ static void find_range(rsv_gltf_clip *clip)
     }
 }
 
-/// Paths that nothing here knows, without an extension that would be named for it.
+/// Notes unknown paths, unless they belong to an extension that is reported itself.
 static void note_others(const reading *r)
 {
     size_t count = 0;

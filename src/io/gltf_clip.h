@@ -1,4 +1,4 @@
-/// An animation of a glTF file: what it moves, by keys, and where that is at a time.
+/// An animation of a glTF file: its keys, and the values it gives to what it moves at a given time.
 #ifndef RSV_GLTF_CLIP_H
 #define RSV_GLTF_CLIP_H
 

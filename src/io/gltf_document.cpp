@@ -274,7 +274,7 @@ void convert_node_extensions(const json &source, rsv_gltf_node &node)
                      node.instancing.scale >= 0;
 }
 
-/// Things of one kind that something is wrong with: told in one line.
+/// Objects of one kind with the same problem: reported in one line.
 struct group {
     size_t count = 0;
     std::string first;
@@ -300,7 +300,7 @@ bool has_more_than_matrix(const json &node)
                member(node, "scale").is_array());
 }
 
-/// Makes the last row of a matrix that of one that moves, turns, scales and shears. @return whether it was, but for roundings
+/// Makes the last row of a matrix that of an affine transform. @return whether it was already, apart from rounding
 bool make_affine(double m[16])
 {
     const double off = std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1);
@@ -330,7 +330,7 @@ void convert_nodes(owned_document &document)
     skewed.tell(document, "nodes", "the last row of the matrix is not 0, 0, 0, 1, and is ignored");
 }
 
-/// The default scene, else the first, else every node that is nobody's child.
+/// The default scene, else the first, else every node without a parent.
 void convert_roots(owned_document &document)
 {
     const json &scenes = list(document.tree, "scenes");
@@ -386,7 +386,7 @@ rsv_wrap wrap_mode(int mode)
     return RSV_WRAP_REPEAT;
 }
 
-/// A file beside the document, within it or in its text.
+/// A file beside the document, in its binary chunk or in its JSON.
 rsv_gltf_image convert_file(
     owned_document &document, const json &source, const char *kind, size_t index, const bytes &data)
 {
@@ -403,7 +403,7 @@ void convert_textures(owned_document &document)
     const int nearest = 9728;
     const json &samplers = list(document.tree, "samplers");
     for (const json &source : list(document.tree, "textures")) {
-        // a PNG or JPEG beside it is for those who read no WebP
+        // a PNG or JPEG beside it is a fallback for readers without WebP
         const int plain = reference(source, "source");
         rsv_gltf_texture texture{ reference(extension(source, "EXT_texture_webp"), "source", plain),
             reference(extension(source, "KHR_texture_basisu"), "source"), RSV_WRAP_REPEAT,
@@ -453,7 +453,7 @@ bool light_kind(const std::string &type, rsv_punctual_light_kind &kind)
     return k < RSV_PUNCTUAL_LUMINAIRE;
 }
 
-/// Angles of a cone, brought into their range. @return whether they had to be
+/// Clamps the angles of a cone to their valid range. @return whether that changed them
 bool convert_cone(const json &source, rsv_punctual_light &light)
 {
     const double quarter_pi = 0.78539816339744831, half_pi = 2 * quarter_pi;
@@ -661,7 +661,7 @@ std::string label(const json &object, const char *kind, size_t index)
 namespace
 {
 
-/// @param read fills a document with what is to be converted
+/// @param read fills the owned document, which is then converted
 template <class reader> rsv_status open_document(const rsv_gltf_document **document, reader read)
 {
     try {

@@ -70,7 +70,7 @@ typedef struct rsv_gltf_accessor {
     rsv_gltf_span sparse_indices, sparse_values;
 } rsv_gltf_accessor;
 
-/// A morph target: accessors of what it adds to each attribute.
+/// A morph target: the accessors of the offsets that it adds to each attribute.
 typedef struct rsv_gltf_target {
     int position, normal, tangent, uv[2], color;
 } rsv_gltf_target;
@@ -126,7 +126,7 @@ typedef struct rsv_gltf_node {
     const int *child;
     size_t child_count;
     double local[16];                             ///< column-major, to the parent
-    double translation[3], rotation[4], scale[3]; ///< that `local` is made of, without a matrix
+    double translation[3], rotation[4], scale[3]; ///< parts of `local` without a matrix
     bool has_matrix;
     const float *weight; ///< [weight_count] in place of those of the mesh; NULL = those
     size_t weight_count;
@@ -141,7 +141,7 @@ typedef struct rsv_gltf_light {
     bool known;               ///< false = of a kind that is not in the format: left out
 } rsv_gltf_light;
 
-/// What a channel of an animation moves.
+/// The property of a node that an animation channel moves.
 typedef enum rsv_gltf_path {
     RSV_GLTF_TRANSLATION,
     RSV_GLTF_ROTATION,
@@ -159,7 +159,7 @@ typedef enum rsv_gltf_interpolation {
 
 typedef struct rsv_gltf_channel {
     int sampler; ///< of the animation
-    int node;    ///< -1 = none: the channel is to be ignored
+    int node;    ///< -1 = none: ignore the channel
     rsv_gltf_path path;
 } rsv_gltf_channel;
 
@@ -192,12 +192,12 @@ typedef struct rsv_gltf_image {
 
 typedef struct rsv_gltf_texture {
     int image;
-    int ktx; ///< image that KHR_texture_basisu has for it, to be taken before `image` if it can be read; < 0 = none
+    int ktx; ///< image of KHR_texture_basisu, preferred to `image` if it can be read; < 0 = none
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
 } rsv_gltf_texture;
 
-/// Use of a texture by a material; `ref.texture` is to be set once the texture is in the scene.
+/// Use of a texture by a material; `ref.texture` is set once the texture is in the scene.
 typedef struct rsv_gltf_texture_ref {
     int texture;
     bool srgb;
@@ -208,9 +208,9 @@ typedef struct rsv_gltf_material {
     rsv_material value; ///< without textures
     const rsv_gltf_texture_ref *texture;
     size_t texture_count;
-    const char *note;   ///< what of it is approximated or ignored; "" = nothing
-    const char *remark; ///< what is left out because it changes nothing here; "" = nothing
-    bool opaque;        ///< alpha, wherever it comes from, is ignored
+    const char *note;   ///< what is approximated or ignored; "" = nothing
+    const char *remark; ///< what is left out without any effect on the result; "" = nothing
+    bool opaque;        ///< alpha is ignored, wherever it comes from
 } rsv_gltf_material;
 
 typedef struct rsv_gltf_document {
@@ -228,7 +228,7 @@ typedef struct rsv_gltf_document {
     const rsv_gltf_skin *skin;
     const rsv_gltf_animation *animation;
     const int *root;           ///< nodes of the scene to show
-    const rsv_gltf_note *note; ///< what of the file is not read
+    const rsv_gltf_note *note; ///< parts of the file that are not read
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
         camera_count, light_count, skin_count, animation_count, root_count, texture_count,
         image_count, note_count, luminaire_count;

@@ -1,4 +1,4 @@
-/// KHR_draco_mesh_compression: what is packed becomes buffers of its own, which accessors then name like any other.
+/// KHR_draco_mesh_compression: the unpacked data become buffers of their own, which accessors then refer to as usual.
 #include "gltf_json.hpp"
 
 #include <draco/compression/decode.h>
@@ -155,7 +155,7 @@ void unpack_primitive(owned_document &document, const json &source, rsv_gltf_pri
     for (const auto &entry : attributes.items()) {
         const std::string label = what + ": attribute '" + shown(entry.key()) + "'";
         const int named = reference(member(source, "attributes"), entry.key().c_str());
-        if (named < 0) continue; // nothing asks for it
+        if (named < 0) continue; // not used by the primitive
         const int id = reference(attributes, entry.key().c_str());
         const draco::PointAttribute *attribute =
             id >= 0 ? mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id)) : nullptr;
@@ -169,7 +169,7 @@ void unpack_primitive(owned_document &document, const json &source, rsv_gltf_pri
     rsv_gltf_accessor &accessor = find_accessor(document, primitive.indices, what);
     accessor.count = 3 * static_cast<size_t>(mesh->num_faces());
     place(accessor, add_view(document, indices_of(*mesh, accessor.span.component_type, what), 0));
-    primitive.mode = RSV_GLTF_TRIANGLES; // whatever it was, triangles are what is packed
+    primitive.mode = RSV_GLTF_TRIANGLES; // the packed data are triangles, whatever the mode was
 }
 
 } // namespace

@@ -1,5 +1,5 @@
-/// A glTF file in parts: its JSON, and the bytes of its buffers and images, wherever they are. Messages are our own and
-/// hold no data.
+/// Loads the parts of a glTF file: its JSON, and the bytes of its buffers and images, wherever they are. Messages are
+/// the library's own and quote no data.
 #include "file_source.h"
 #include "gltf_archive.h"
 #include "gltf_json.hpp"
@@ -83,7 +83,7 @@ int hex_digit(char c)
     return -1;
 }
 
-/// Replaces %xx alone: a plus is a plus. A percent sign without two digits stands for itself.
+/// Replaces only %xx; a plus stays a plus, and a percent sign without two digits stays as it is.
 std::string percent_decoded(const std::string &uri)
 {
     std::string decoded;
@@ -261,7 +261,7 @@ void find_chunks(const bytes &data, chunk &text, chunk &binary)
     if (!text.found) refuse(RSV_ERROR_FORMAT, "is not valid glTF: it has no chunk of JSON");
 }
 
-// ---- what it is ---------------------------------------------------------------------------------
+// ---- checks of the document ---------------------------------------------------------------------
 
 /// "2.1", also where it is written as a number; [0] = -1 if there is none.
 std::array<int, 2> version_of(const json &asset, const char *key)
@@ -308,7 +308,7 @@ void check_required_extensions(const json &root)
         "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_basisu",
         "KHR_texture_transform", "KHR_xmp_json_ld" };
     for (const json &entry : list(root, "extensionsRequired")) {
-        if (!entry.is_string()) continue; // find_unread() tells
+        if (!entry.is_string()) continue; // reported by find_unread()
         const std::string name = entry.get<std::string>();
         bool found = false;
         for (const char *candidate : known)
@@ -321,7 +321,7 @@ void check_required_extensions(const json &root)
 
 // ---- buffers and images -------------------------------------------------------------------------
 
-/// What a file was found to hold beside what is looked for.
+/// State while a document is read: where its files come from, and what was found in the first one.
 struct source {
     const rsv_file_source *files;
     std::string folder; ///< "" or with a slash at its end
@@ -373,7 +373,7 @@ void read_buffers(owned_document &document, source &from)
             const auto begin = from.file.begin() + static_cast<std::ptrdiff_t>(from.binary.begin);
             data.assign(begin, begin + static_cast<std::ptrdiff_t>(size));
         } else {
-            document.buffer_bytes.emplace_back(); // what refers to it says so
+            document.buffer_bytes.emplace_back(); // reported where it is used
             continue;
         }
         if (data.size() < wanted)

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/// What reading a primitive needs throughout.
+/// State while a primitive is read.
 typedef struct reading {
     rsv_context *context;
     const rsv_gltf_document *document;
@@ -62,7 +62,7 @@ static rsv_status read_attribute(
     return RSV_OK;
 }
 
-/// Adds what a morph target says, by its weight, to the first components of each vertex.
+/// Adds a morph target's offsets, times its weight, to the first components of each vertex.
 static rsv_status add_target(
     const reading *r, attribute a, float weight, size_t vertex_count, float *values, size_t width)
 {
@@ -78,7 +78,7 @@ static rsv_status add_target(
     return status;
 }
 
-/// Where a target keeps what it adds to an attribute.
+/// Returns the target's accessor for an attribute.
 typedef int (*accessor_of)(const rsv_gltf_target *target);
 
 static int target_position(const rsv_gltf_target *t) { return t->position; }

@@ -1,6 +1,6 @@
-/// The JSON of a glTF file, its members each with a value to fall back on, and the document that is made of it.
+/// Access to the JSON of a glTF file, with a default for each member, and the document made of it.
 ///
-/// A member of the wrong type counts as absent: rsv_gltf::find_unread() names it.
+/// A member of the wrong type counts as absent: rsv_gltf::find_unread() reports it.
 #ifndef RSV_GLTF_JSON_HPP
 #define RSV_GLTF_JSON_HPP
 
@@ -110,7 +110,7 @@ inline void numbers(const json &object, const char *key, size_t count, double *v
         value[i] = array[i].get<double>();
 }
 
-/// An array of exactly `count` numbers, of the core; absent ones keep what is in `value`.
+/// Reads an array of exactly `count` numbers, from the core format; if it is absent, `value` is kept.
 void exact_numbers(
     const json &object, const char *key, size_t count, double *value, const std::string &owner);
 
@@ -133,7 +133,7 @@ std::string label(const json &object, const char *kind, size_t index);
 /// A text from the file, cut short for a message.
 std::string shown(const std::string &text);
 
-/// A material and what its pointers lead to.
+/// A material and the storage that its pointers refer to.
 struct owned_material {
     rsv_gltf_material material{};
     std::vector<rsv_gltf_texture_ref> textures;
@@ -146,7 +146,7 @@ struct owned_note {
     std::string text;
 };
 
-/// The document and what its pointers lead to.
+/// The document and the storage that its pointers refer to.
 struct owned_document : rsv_gltf_document {
     json tree; ///< the whole file; empty once it is converted
     std::string json_text;
@@ -179,13 +179,13 @@ struct owned_document : rsv_gltf_document {
     std::vector<rsv_gltf_note> notes;
 };
 
-/// Parses the file, loads buffers and images, and refuses what is no glTF 2.0 or requires what is not supported.
+/// Parses the file and loads its buffers and images. Fails if it is not glTF 2.0 or requires an unsupported extension.
 void read_file(const rsv_file_source *files, const char *path, owned_document &document);
 
 /// The same from an archive (gltf_archive.h).
 void read_archive(const uint8_t *archive, size_t count, owned_document &document);
 
-/// Names what of the file is not read: extensions and properties that nobody here knows, and values of a wrong type.
+/// Reports what is not read: unknown extensions and properties, and values of a wrong type.
 void find_unread(owned_document &document);
 
 /// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.

@@ -4,7 +4,7 @@
 
 #include "gltf_document.h"
 
-/// A luminaire of a document. RSV_ERROR_FORMAT where there is none, or it cannot be read.
+/// Reads a luminaire of a document. RSV_ERROR_FORMAT if it does not exist or cannot be read.
 /// @param luminaire to be freed by rsv_luminaire_free, even after a failure
 rsv_status rsv_gltf_read_luminaire(
     rsv_context *context, const rsv_gltf_document *document, int index, rsv_luminaire *luminaire);

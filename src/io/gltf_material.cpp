@@ -1,4 +1,4 @@
-/// glTF materials in the library's terms. docs/gltf.md says what becomes of each extension.
+/// Converts glTF materials to the library's. docs/gltf.md says how each extension is treated.
 #include "../scene/material_fields.h"
 #include "gltf_json.hpp"
 
@@ -177,15 +177,13 @@ void convert_extensions(const json &source, owned_material &to)
         use_of(extension(source, "KHR_materials_anisotropy"), "anisotropyTexture"));
     float &ior = to.material.value.ior;
     if (ior == 0) ior = 1e3f; // stands for total reflection
-    if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())
-        add_note(to, "clearcoatNormalTexture is ignored: the coat has the normals of the material "
-                     "below");
-    else if (to.material.value.clearcoat > 0 &&
-             reference(member(source, "normalTexture"), "index") >= 0)
-        add_note(to, "its clear coat should be smooth over the normal map, and follows it instead");
+    const json &coat = extension(source, "KHR_materials_clearcoat");
+    if (to.material.value.clearcoat > 0)
+        add_texture(to, RSV_TEXTURE_CLEARCOAT_NORMAL, false, use_of(coat, "clearcoatNormalTexture"),
+            number(member(coat, "clearcoatNormalTexture"), "scale", 1));
 }
 
-/// What no extension has, and what overrides extensions.
+/// Properties of the library's own that no extension has; they override extensions.
 void convert_extras(const json &source, owned_material &to)
 {
     const json &own = member(member(source, "extras"), "resolvent");
@@ -200,8 +198,8 @@ float mean_free_path(float color, float distance)
     return -distance / std::log(color);
 }
 
-/// A medium that scatters: what enters leaves near by, with the multiple-scattering colour as reflectance, after
-/// a mean free path that the attenuation of KHR_materials_volume tells.
+/// A scattering medium: light that enters leaves near by. The multiple-scattering colour becomes its reflectance; the
+/// mean free path comes from the attenuation of KHR_materials_volume.
 void convert_scatter(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;

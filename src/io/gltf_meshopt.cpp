@@ -12,7 +12,7 @@ constexpr const char *extension_name = "EXT_meshopt_compression";
 /// A block of attributes takes a byte at least for 64 of its own; a triangle or an index a byte.
 constexpr size_t most_bytes_per_byte = 64;
 
-/// What is packed, as the extension says.
+/// The extension's description of packed data.
 struct packed_view {
     const unsigned char *data;
     size_t length, count, stride;

@@ -9,7 +9,7 @@
 
 /// Bytes that a triangle takes at the least, once it is in the scene.
 #define TRIANGLE_BYTES 48.0
-/// Bytes of a vertex that is moved for one node alone.
+/// Bytes per vertex of a mesh that is deformed for one node only.
 #define VERTEX_BYTES 24.0
 
 static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
@@ -21,16 +21,16 @@ static bool refers(int reference, size_t count)
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
-/// Nodes still to be walked.
+/// Stack of nodes to be visited.
 typedef struct walk {
     rsv_gltf_parts *parts;
     uint32_t *pending; ///< [node_count], last first
     size_t count;
-    bool of_scene; ///< else of what no scene shows
+    bool of_scene; ///< else of nodes outside all scenes
 } walk;
 
-/// Puts nodes on the stack, last first. Each node of a scene may be reached once only: that is what makes the hierarchy a
-/// forest, and the walk end.
+/// Puts nodes on the stack, last first. Fails if a node of the scene is reached a second time: only a forest can be
+/// walked to the end.
 static rsv_status push_nodes(walk *w, const int *node, size_t count, const uint32_t *parent)
 {
     rsv_gltf_parts *parts = w->parts;
@@ -130,7 +130,7 @@ static double bytes_of(const rsv_gltf_document *document, const rsv_gltf_primiti
            (own ? VERTEX_BYTES * elements_of(document, p->position) : 0);
 }
 
-/// How many instances a node asks for. Refuses what memory cannot hold, before it is tried.
+/// Number of instances of a node. Fails before an allocation that memory cannot hold.
 static rsv_status count_instances(
     const rsv_gltf_document *document, const rsv_gltf_node *node, double memory, size_t *count)
 {
@@ -217,7 +217,7 @@ static bool is_shown(const rsv_gltf_primitive *primitive)
            primitive->mode <= RSV_GLTF_TRIANGLE_FAN;
 }
 
-/// Whether a skin turns the winding; found once for all that it moves.
+/// Whether a skin reverses the winding; determined once for all meshes that it deforms.
 static rsv_status find_mirroring(rsv_gltf_parts *parts, int skin, bool *mirrored)
 {
     signed char *known = &parts->skin_mirrors[skin];

@@ -1,5 +1,5 @@
-/// What of a glTF file is shown: each primitive of triangles, once for each node and instance that shows it. The list is
-/// that of a scene's instances, one by one, for whoever reads the file again beside its scene.
+/// The visible parts of a glTF file: each primitive of triangles, once for each node and instance that shows it. The
+/// list matches the instances of the scene one by one, so that a caller can read the file again alongside its scene.
 #ifndef RSV_GLTF_PART_H
 #define RSV_GLTF_PART_H
 
@@ -29,7 +29,8 @@ typedef struct rsv_gltf_parts {
     size_t copy_capacity, capacity;
 } rsv_gltf_parts;
 
-/// Refuses nodes that form no forest, what refers to nodes, meshes and skins that do not exist, and what no memory holds.
+/// Fails if the nodes form no forest, if a node, mesh or skin that is referred to does not exist, or if memory cannot
+/// suffice.
 rsv_status rsv_gltf_parts_create(
     rsv_context *context, const rsv_gltf_document *document, rsv_gltf_parts *parts);
 void rsv_gltf_parts_destroy(rsv_gltf_parts *parts);

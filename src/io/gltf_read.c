@@ -31,7 +31,7 @@ typedef struct reader {
     size_t *first_primitive;
     uint32_t
         *primitive_id; ///< scene mesh of each primitive as its mesh has it; RSV_NONE = not read
-    bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
+    bool *mesh_named;  ///< [mesh_count] whether its skipped primitives were reported
     uint32_t material_count, default_material;
     rsv_light_scale scale;
     int variant; ///< that is shown; -1 = the default
@@ -176,7 +176,7 @@ cleanup:
     return status;
 }
 
-/// The scene's mesh for a part: shared by all that show a primitive as it is in the file.
+/// The scene's mesh for a part. All parts that show a primitive undeformed share it.
 static rsv_status find_mesh(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
     const rsv_gltf_node *node = &r->document->node[part->node];
@@ -189,7 +189,7 @@ static rsv_status find_mesh(reader *r, const rsv_gltf_part *part, uint32_t *id)
     return status;
 }
 
-/// Says once per mesh what of it cannot be shown.
+/// Reports, once per mesh, the primitives that cannot be shown.
 static void name_skipped(reader *r, int index)
 {
     const rsv_gltf_mesh *mesh = &r->document->mesh[index];
@@ -213,7 +213,7 @@ static void name_skipped(reader *r, int index)
 
 // ---- parts ----------------------------------------------------------------------------------------
 
-/// Instances of one node are told apart by their numbers.
+/// Names a part; instances of one node are numbered.
 static void name_part(const reader *r, const rsv_gltf_part *part, char name[LABEL_BYTES])
 {
     const char *node = r->document->node[part->node].name;
@@ -264,7 +264,7 @@ static rsv_vec3 column_of(const double m[16], int column)
     return v3((float)c[0], (float)c[1], (float)c[2]);
 }
 
-/// What a node cannot show does not keep the rest from being shown.
+/// Leaves out a part that cannot be shown, with a warning, and goes on.
 static rsv_status leave_out(
     const reader *r, const rsv_gltf_node *node, const char *what, const char *why)
 {
@@ -343,8 +343,8 @@ cleanup:
     return status;
 }
 
-/// Where a luminaire is to hang from a node that has neither a mesh nor a light (rsv_load_desc.luminaire): a dark light that
-/// points along its -y, which the luminaire will replace.
+/// Where a luminaire is to hang from a node that has neither a mesh nor a light (rsv_load_desc.luminaire): a dark light
+/// that points along its -y, which the luminaire will replace.
 static rsv_status mark_node(
     reader *r, const rsv_load_desc *desc, const rsv_gltf_node *node, const double world[16])
 {
@@ -360,7 +360,7 @@ static rsv_status mark_node(
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }
 
-/// What is hidden neither shows nor shines; a camera sees from where it is, whoever sees it.
+/// A hidden node shows no mesh and gives no light, but its camera works.
 static rsv_status add_cameras_and_lights(reader *r, const rsv_load_desc *desc)
 {
     rsv_status status = RSV_OK;

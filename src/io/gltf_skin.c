@@ -132,7 +132,7 @@ static void release_influences(rsv_context *context, influences *all)
     rsv_free(context, all->weight);
 }
 
-/// @param what for messages
+/// @param what name of the attribute in messages
 static rsv_status read_four(rsv_context *context, const rsv_gltf_document *document, int accessor,
     const char *owner, size_t vertex_count, float **values)
 {
@@ -192,7 +192,7 @@ static double total_weight(const influences *all, size_t n)
     return sum;
 }
 
-/// Says what is made of weights that mean nothing.
+/// Reports invalid weights and what they are replaced by.
 static void tell_weights(
     rsv_context *context, const influences *all, size_t vertex_count, const char *owner)
 {
@@ -216,7 +216,7 @@ static void tell_weights(
             owner, loose, vertex_count);
 }
 
-/// What moves vertex `n`.
+/// The transform of vertex `n`.
 static rsv_status blend(const rsv_gltf_joints *joints, const influences *all, size_t n,
     const char *owner, double matrix[16])
 {
@@ -274,7 +274,8 @@ static void move_vertex(const double m[16], size_t n, rsv_gltf_geometry *g)
     if (rsv_matrix_handedness(m) < 0) t[3] = -t[3];
 }
 
-/// The front stays the front: two corners of each triangle change places, as commit has it for mirroring nodes.
+/// Swaps two corners of each triangle, so that the front side stays the front; commit does the same for mirroring
+/// nodes.
 static rsv_status turn_triangles(rsv_context *context, rsv_gltf_geometry *g)
 {
     if (!g->index) {

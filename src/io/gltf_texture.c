@@ -5,7 +5,7 @@
 /// Stands for a texture that was tried and cannot be used.
 #define UNUSABLE (RSV_NONE - 1)
 
-/// What the values of a texture are.
+/// Meaning of a texture's values.
 enum { LINEAR, COLOR, EMISSION, USES };
 
 typedef struct texture_loader {
@@ -54,7 +54,7 @@ static rsv_status add_image(
     return rsv_texture_load(loader->scene, &source, id);
 }
 
-/// The picture of KTX2 if it can be read, else the one for those who read none.
+/// Adds the KTX2 picture if it can be read, else the fallback picture.
 static rsv_status add_texture(
     texture_loader *loader, const rsv_gltf_texture *texture, int use, uint32_t *id)
 {

@@ -5,12 +5,12 @@
 #include "gltf_document.h"
 #include "texture_image.h"
 
-/// The bytes of an image or luminaire. @return NULL, or what is wrong
+/// Finds the bytes of an image or luminaire. @return NULL = found, or what is wrong
 const char *rsv_gltf_find_bytes(
     const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_file *file);
 
-/// Adds all materials, in order, with the textures they use. A texture that cannot be read is named in a warning
-/// and left out: the factor that it multiplies stands alone.
+/// Adds all materials, in order, with the textures they use. If a texture cannot be read, a warning names it and the
+/// material uses its factor alone.
 rsv_status rsv_gltf_add_materials(
     rsv_context *context, const rsv_gltf_document *document, rsv_scene *scene);
 

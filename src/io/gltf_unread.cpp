@@ -1,5 +1,5 @@
-/// What of a glTF file nobody here reads: extensions, properties and attributes that are not known, and values that are not in
-/// the format. Each is named once per file, with what it is found on. The tables below say what is read, or told elsewhere.
+/// Finds what is not read of a glTF file: unknown extensions, properties and attributes, and invalid values. Each is
+/// named once per file, with the kind of object that has it. The tables below list what is read or reported elsewhere.
 #include "gltf_json.hpp"
 
 #include <cctype>
@@ -42,7 +42,7 @@ struct properties {
 
 struct schema {
     const char *one, *many;
-    bool named; ///< has a name or a number of its own; else it is "of" what it is in
+    bool named; ///< has a name or number of its own; otherwise messages say "of" and its parent
     properties members, extensions;
 };
 
@@ -323,7 +323,7 @@ constexpr schema file = { "file", "files", false, file_members, file_extensions 
 
 // ---- finding --------------------------------------------------------------------------------------
 
-/// An object of the file and what it is in.
+/// An object of the file and its parent.
 struct place {
     const json *value;
     const schema *kind;
@@ -345,7 +345,7 @@ std::string describe(const place &at)
 
 enum class sort { extension, property, attribute, value };
 
-/// What is not read, and the kinds of objects that have it.
+/// Something that is not read, and the kinds of objects that have it.
 struct finding {
     struct use {
         const schema *kind;
@@ -456,7 +456,7 @@ void finder::walk_member(const property &known, const json &value, const place &
     }
 }
 
-/// POSITION, JOINTS_1, ...: whether somebody here reads it.
+/// POSITION, JOINTS_1, ...: whether the attribute is read.
 bool is_read(const std::string &attribute)
 {
     static const char *const known[] = { "POSITION", "NORMAL", "TANGENT", "TEXCOORD_0",
@@ -529,7 +529,7 @@ void finder::check_list(const json &root)
 
 // ---- telling --------------------------------------------------------------------------------------
 
-/// Extensions that change nothing of what is shown.
+/// Whether an extension has no effect on the picture.
 bool is_harmless(const finding &found)
 {
     if (found.what == sort::attribute) return true;

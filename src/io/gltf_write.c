@@ -1,7 +1,7 @@
 /// A committed scene as binary glTF: one node and mesh per object, geometry in world space.
 ///
-/// The binary chunk is three runs - positions, normals, indices - of which each object's accessors are
-/// slices; it is streamed from the scene's own arrays.
+/// The binary chunk holds three arrays: positions, normals and indices. The accessors of each object are
+/// ranges of them. It is streamed from the scene's own arrays.
 #include "gltf_write.h"
 #include "../core/core.h"
 #include "../core/vec.h"
@@ -20,7 +20,7 @@
 
 #define HALF_PI 1.5707963267948966
 
-/// What one object occupies in the scene's arrays.
+/// An object's ranges in the scene's arrays.
 typedef struct object_range {
     size_t first_triangle, triangle_count;
     uint32_t first_vertex, vertex_count;
@@ -486,7 +486,7 @@ static bool is_far(const rsv_scene_view *view)
     return view->origin[0] != 0 || view->origin[1] != 0 || view->origin[2] != 0;
 }
 
-/// Puts back what was taken out of all coordinates: a node above all others, which floats below it keep their digits by.
+/// Adds a node above all others that restores the scene's origin, so that the floats below it keep their precision.
 static void add_origin(writer *w)
 {
     cJSON *node = add_node(w, "origin"), *translation = add_array(w, node, "translation");

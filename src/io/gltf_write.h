@@ -4,7 +4,7 @@
 
 #include "resolvent/scene.h"
 
-/// Objects become nodes with a mesh each, in their order, before all else; triangles stay in theirs.
+/// Each object becomes a node with a mesh. They come first, in order, and keep the order of their triangles.
 /// @param bytes out: [count], to be freed with rsv_free
 rsv_status rsv_scene_write_document(const rsv_scene *scene, uint8_t **bytes, size_t *count);
 

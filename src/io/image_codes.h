@@ -4,7 +4,7 @@
 
 #include "../core/core.h"
 
-/// A PNG of 8-bit RGB codes as they are. @param bytes out: to be freed
+/// Encodes 8-bit RGB codes as PNG, unchanged. @param bytes out: to be freed
 rsv_status rsv_image_png_from_codes(rsv_context *context, const uint8_t (*codes)[3], uint32_t width,
     uint32_t height, uint8_t **bytes, size_t *count);
 

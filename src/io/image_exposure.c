@@ -1,6 +1,6 @@
-/// The exposure that shows a picture: as it is where the mean of its logarithms lies in a range that looks well lit, else just as much
-/// as brings it to the nearer end of that range. A scene that somebody lit with care stays as bright as it is; one in other
-/// units is seen all the same, and what lies between them changes steadily.
+/// Chooses an exposure for a picture: 0 if its log-average luminance lies in a well-lit range, else just enough to
+/// reach the nearer end of that range. So a carefully lit scene keeps its brightness, one in other units becomes
+/// visible, and the exposure changes continuously in between.
 #include "image_internal.h"
 
 #include <math.h>

@@ -21,7 +21,7 @@ static rsv_status status_of(const rsv_exr_stream *stream, exr_result_t result)
     }
 }
 
-/// What the library's results mean to who has the file.
+/// Translates OpenEXR's error codes for users.
 static const char *meaning_of(exr_result_t result)
 {
     switch (result) {

@@ -1,4 +1,4 @@
-/// What reading and writing OpenEXR files share. Both go through OpenEXR's C core.
+/// Code shared by the reader and the writer of OpenEXR files. Both use OpenEXR's C core.
 #ifndef RSV_IMAGE_EXR_H
 #define RSV_IMAGE_EXR_H
 
@@ -15,7 +15,7 @@ typedef struct rsv_exr_stream {
 /// Keeps the library's messages from standard error.
 void rsv_exr_keep_silent(exr_const_context_t exr, exr_result_t code, const char *message);
 
-/// Turns a failed call into an error that names the file and says what is wrong with it.
+/// Turns a failed call into an error that names the file and the problem.
 rsv_status rsv_exr_check(const rsv_exr_stream *stream, exr_result_t result);
 
 /// Splits "direct.R" into layer "direct" and component "R"; a plain "R" has layer "". False if the

@@ -19,7 +19,7 @@ typedef struct reader {
     exr_context_t exr;
     exr_attr_box2i_t data_window, display_window;
     const exr_attr_chlist_t *channels;
-    layer_source *layers; // [layer_count]; those found to be pictures come first
+    layer_source *layers; // [layer_count]; layers that are pictures come first
     uint32_t layer_count;
     float *samples; // [channel_count][height][width] of the chunk being decoded
     rsv_image *image;
@@ -67,7 +67,7 @@ cleanup:
     return status;
 }
 
-/// What lies beyond the display window is cropped; where all does, nothing is left.
+/// Pixels outside the display window are cropped. Fails if none are left.
 static rsv_status check_windows(const reader *in)
 {
     exr_attr_box2i_t data = in->data_window, shown = in->display_window;
@@ -78,7 +78,7 @@ static rsv_status check_windows(const reader *in)
         "cannot read '%s': its pixels lie outside of its display window", in->stream.input->path);
 }
 
-/// Names what is left out: parts behind the first, primaries other than those of sRGB.
+/// Warns of what is not read: parts after the first, and primaries other than those of sRGB.
 static void warn_of_losses(const reader *in)
 {
     static const float usual[6] = { 0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f };
@@ -154,7 +154,8 @@ static bool is_picture(layer_source *layer)
     return true;
 }
 
-/// Some programs keep grey in R alone. That is only taken where a file holds nothing better: a mask might look the same.
+/// Some programs store grey in R alone. R is taken for grey only if there is nothing better, since a mask looks the
+/// same.
 static bool takes_red_for_grey(reader *in)
 {
     for (uint32_t i = 0; i < in->layer_count; i++) {

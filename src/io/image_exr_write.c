@@ -73,8 +73,9 @@ static void aim_channels(exr_encode_pipeline_t *encoder, const rsv_image *image,
     }
 }
 
-/// Readers take a chunk of the size of its pixels for pixels, but OpenEXR 3.1 writes compressed ones that happen to be
-/// of that size: those are stored as pixels. @param encoder its encoding_user_data is the library's own compress_fn
+/// Readers take a chunk as large as its pixels for uncompressed, but OpenEXR 3.1 keeps compressed data that happens to
+/// have that size. This stores the pixels instead. @param encoder its encoding_user_data is the library's own
+/// compress_fn
 static exr_result_t compress_chunk(exr_encode_pipeline_t *encoder)
 {
     exr_result_t (*const *compress)(exr_encode_pipeline_t *) = encoder->encoding_user_data;

@@ -33,7 +33,7 @@ static const image_format *find_format(const char *path)
     return NULL;
 }
 
-/// By the first bytes, whatever the name says; NULL = they say nothing.
+/// The format told by the first bytes, whatever the name; NULL = not recognised.
 static const image_format *format_of_content(const uint8_t *bytes, size_t size)
 {
     static const struct {
@@ -99,7 +99,7 @@ rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **im
     rsv_image_file file;
     rsv_status status = rsv_image_file_read(context, NULL, path, &file);
     if (status == RSV_OK) status = decode(context, &file, image);
-    // what cannot be opened and has no picture's name either is most likely a mistake in the name
+    // a file that cannot be opened and has no picture's extension most likely has a mistake in its name
     else if (status != RSV_ERROR_MEMORY && !find_format(path))
         status = fail_unknown(path);
     rsv_free(context, (void *)(uintptr_t)file.bytes);
@@ -131,7 +131,7 @@ rsv_status rsv_image_check_output(const char *path)
     rsv_atomic_file file;
     const image_format *format;
     rsv_status status = find_output_format(path, &format);
-    // trying is the only check that knows read-only mounts, quotas and access lists
+    // only trying reveals read-only mounts, quotas and access lists
     if (status == RSV_OK) status = rsv_atomic_file_open(&file, path);
     if (status == RSV_OK) rsv_atomic_file_discard(&file);
     return status;

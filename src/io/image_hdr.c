@@ -1,7 +1,7 @@
 /// Radiance pictures (Ward, "Real Pixels", Graphics Gems II): three 8-bit mantissas, one exponent.
 ///
-/// Our own few lines, because a reader must tell a truncated file from a black one and a writer
-/// must round to nearest: truncating mantissas darkens a picture by 0.3 % on average.
+/// Written here because a reader must tell a truncated file from a black one, and a writer must round
+/// to nearest: truncating mantissas darkens a picture by 0.3 % on average.
 #include "../core/number_text.h"
 #include "../core/vec.h"
 #include "image_internal.h"
@@ -15,7 +15,7 @@ typedef struct reader {
     size_t position;
 } reader;
 
-/// What the lines before the pixels say.
+/// Contents of the lines before the pixels.
 typedef struct hdr_header {
     bool is_xyz; ///< pixels are CIE X, Y, Z
     double
@@ -47,7 +47,7 @@ static bool next_line(reader *in, char *line, size_t line_bytes)
     return true;
 }
 
-/// EXPOSURE and COLORCORR lines say what the radiances were multiplied by; all of them count.
+/// EXPOSURE and COLORCORR lines give factors that the radiances were multiplied by. There may be several; all apply.
 static rsv_status divide_by(const reader *in, const char *text, int count, hdr_header *h)
 {
     double factor[3] = { 1, 1, 1 };
@@ -63,8 +63,8 @@ static rsv_status divide_by(const reader *in, const char *text, int count, hdr_h
     return RSV_OK;
 }
 
-/// Whether a PRIMARIES line (x and y of red, green, blue and white) says something else than what pictures mean without
-/// one: Radiance's own primaries and those of sRGB, which are nearly the same.
+/// Whether a PRIMARIES line (x and y of red, green, blue and white) differs from the primaries assumed without one:
+/// Radiance's own or those of sRGB, which are nearly the same.
 static bool are_foreign(const char *text)
 {
     static const double usual[6] = { 0.64, 0.33, 0.295, 0.6, 0.15, 0.06 };
@@ -157,7 +157,7 @@ static rsv_status read_flat_row(reader *in, uint32_t width, uint8_t (*row)[4])
     return RSV_OK;
 }
 
-/// One component of a row: a count above 128 announces a run, else so many literal bytes.
+/// Decodes one component of a row: a count above 128 starts a run, any other a number of literal bytes.
 static rsv_status read_run_length_component(
     reader *in, uint32_t width, unsigned c, uint8_t (*row)[4])
 {
@@ -192,7 +192,7 @@ static rsv_status read_row(reader *in, uint32_t width, uint8_t (*row)[4])
     return RSV_OK;
 }
 
-/// The radiance of a pixel. What exceeds a float, once the exposure is taken back, becomes the largest.
+/// The radiance of a pixel, with the exposure undone. Values that exceed a float become the largest float.
 static rsv_rgb decode_pixel(const uint8_t code[4], const hdr_header *h)
 {
     if (code[3] == 0) return rgb_gray(0);
@@ -233,7 +233,7 @@ rsv_status rsv_image_decode_hdr(rsv_context *context, const rsv_image_file *file
     uint8_t(*line)[4] = NULL;
     RSV_TRY(read_header(&in, &h));
     uint32_t lines = h.columns ? h.width : h.height, length = h.columns ? h.height : h.width;
-    // no row is stored in less: memory is not taken for a header alone
+    // no encoding needs fewer bytes: never allocate because of a header alone
     if ((file->size - in.position) / sizeof *line < lines)
         RSV_TRY(fail_format(&in, "the file is truncated: fewer bytes than its rows need"));
     line = rsv_alloc(context, length, sizeof *line);
@@ -255,7 +255,7 @@ cleanup:
     return status;
 }
 
-/// Negative and NaN become 0; what exceeds the format becomes its largest value.
+/// Negative values and NaN become 0; values beyond the format become its largest.
 static float clamp_to_rgbe(float v)
 {
     const float largest = 0x1.fep+126f;

@@ -1,4 +1,4 @@
-/// What the picture readers and writers share.
+/// Code shared by the readers and writers of pictures.
 #ifndef RSV_IMAGE_INTERNAL_H
 #define RSV_IMAGE_INTERNAL_H
 
@@ -42,8 +42,8 @@ typedef struct rsv_image_codes {
     uint32_t width, height, channel_count;
 } rsv_image_codes;
 
-/// PNG, JPEG, TGA, BMP and GIF as 8-bit codes, for textures: no side above RSV_TEXTURE_MAX_SIDE, and no more pixels than the
-/// file's size can account for. Release with rsv_image_free_codes.
+/// PNG, JPEG, TGA, BMP and GIF as 8-bit codes, for textures: no side above RSV_TEXTURE_MAX_SIDE, and no more pixels
+/// than the file's size can account for. Release with rsv_image_free_codes.
 rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes);
 void rsv_image_free_codes(rsv_image_codes *codes);
 
@@ -51,12 +51,13 @@ void rsv_image_free_codes(rsv_image_codes *codes);
 /// overrun its arrays.
 rsv_status rsv_image_check_jpeg(const rsv_image_file *file);
 
-/// Refuses PNG files that end within a chunk: stb_image (2.27) takes memory for all that a chunk says it has, up to
-/// 2 GiB, before it reads it. Files of other formats pass.
+/// Refuses PNG files that end within a chunk. stb_image (2.27) would allocate the size that the chunk's header states,
+/// up to 2 GiB, before reading it. Files of other formats pass.
 rsv_status rsv_image_check_png(const rsv_image_file *file);
 
-/// By what a PNG file says that its codes are not those of sRGB, as messages call it; NULL = they are, or it is no PNG.
-/// @param frames out: whether it holds more pictures than the one that is read
+/// The PNG chunk, as messages call it, by which a file says that its codes are not sRGB; NULL = they are, or it is no
+/// PNG.
+/// @param frames out: whether the file holds more pictures than the one that is read
 const char *rsv_image_png_unused(const rsv_image_file *file, bool *frames);
 
 /// More pixels than this cannot come out of a byte of such a file.

@@ -1,6 +1,6 @@
-/// A walk over a JPEG file's segments (ITU-T T.81, annex B), stricter than the decoder's own: what
-/// lies between segments is refused, so that the decoder meets no table that was not checked here, and scans
-/// whose tables are missing, for which the decoder would take whatever lies in its memory.
+/// Walks over the segments of a JPEG file (ITU-T T.81, annex B), more strictly than the decoder does. It refuses
+/// anything between segments, so that the decoder meets no table that was not checked here, and scans whose tables are
+/// missing, for which the decoder would use uninitialised memory.
 #include "image_internal.h"
 
 #define STUFFED_ZERO 0x00 // after an 0xFF that is data
@@ -69,7 +69,8 @@ static bool has_table(const walker *at, int class, unsigned id)
     return at->huffman[class] >> id & 1;
 }
 
-/// The header of a scan: count, then id and tables of each component, then the band of frequencies and how it is refined.
+/// The header of a scan: count, then id and tables of each component, then the band of frequencies and how it is
+/// refined.
 static rsv_status check_scan(walker *at, size_t end)
 {
     const uint8_t *header = at->file->bytes + at->position;

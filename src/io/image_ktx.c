@@ -49,7 +49,7 @@ static const size_t bytes_of_type[] = { [UNORM8] = 1, [UNORM16] = 2, [FLOAT16] =
 
 enum { PLAIN, BASIS_LZ, ZSTANDARD, ZLIB };
 
-/// What is taken from a file.
+/// The fields of a file that are used.
 typedef struct ktx {
     const rsv_image_file *file;
     const texel_format *format;
@@ -175,7 +175,7 @@ cleanup:
 
 // ---- texels -------------------------------------------------------------------------------------
 
-/// The texels as they are stored. @param owned to be freed; NULL = they lie in the file
+/// Finds or unpacks the stored texels. @param owned to be freed; NULL = they lie in the file
 static rsv_status unpack(
     rsv_context *context, const ktx *k, uint8_t **owned, const uint8_t **texels)
 {

@@ -25,7 +25,7 @@ static unsigned char *compress_bytes(unsigned char *bytes, int count, int *packe
     return packed;
 }
 
-// the headers declare more than is asked of them
+// the headers declare more functions than are used here
 #pragma GCC diagnostic ignored "-Wunused-function"
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -36,7 +36,7 @@ static unsigned char *compress_bytes(unsigned char *bytes, int count, int *packe
 #define STBI_ONLY_GIF
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
-// memory that a broken file leaves unwritten is zeros, not whatever was there
+// pixels that a broken file leaves out become zeros, not uninitialised memory
 #define STBI_MALLOC(bytes) calloc(1, bytes)
 #define STBI_REALLOC realloc
 #define STBI_FREE free
@@ -47,7 +47,7 @@ static unsigned char *compress_bytes(unsigned char *bytes, int count, int *packe
 #define STBIW_ZLIB_COMPRESS compress_bytes
 #include <stb/stb_image_write.h>
 
-/// A file being decoded. stb_image takes bytes past the end for zeros; `exhausted` tells.
+/// A file being decoded. stb_image reads zeros past the end; `exhausted` records that.
 typedef struct source {
     const rsv_image_file *file;
     size_t position;
@@ -82,7 +82,7 @@ static int source_eof(void *user)
 
 static const stbi_io_callbacks source_callbacks = { source_read, source_skip, source_eof };
 
-/// What the decoder's messages mean; its own words are for those who develop it.
+/// Translates the decoder's messages for users: its own words are meant for its developers.
 static rsv_status fail_decoding(const source *from)
 {
     static const char *const known[][2] = {
@@ -177,7 +177,7 @@ static rsv_status check_texture_size(const rsv_image_file *file, int width, int 
     return check_pixel_count(file, width, height);
 }
 
-/// Refuses what must not be decoded.
+/// Refuses files that the decoder cannot be trusted with.
 static rsv_status check_texture_file(const rsv_image_file *file)
 {
     rsv_status status;

@@ -30,7 +30,7 @@ rsv_status rsv_image_check_png(const rsv_image_file *file)
     return RSV_OK;
 }
 
-/// What chunks say of colours and frames.
+/// What the chunks say of colours and frames.
 typedef struct png_claims {
     bool srgb;       ///< sRGB, or a profile of that name
     bool profile;    ///< iCCP of another name

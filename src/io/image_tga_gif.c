@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-/// Deflate packs at most 1032 bytes into one, of eight pixels each; a block of JPEG's takes a bit at least; a code of GIF's has
-/// three bits at least and stands for up to 4096 pixels; a run of TGA's takes two bytes for 128.
+/// Deflate packs at most 1032 bytes into one, of eight pixels each; a block of JPEG's takes a bit at least; a code of
+/// GIF's has three bits at least and stands for up to 4096 pixels; a run of TGA's takes two bytes for 128.
 enum {
     PIXELS_PER_BYTE_OF_PNG = 1032 * 8,
     PIXELS_PER_BYTE_OF_JPEG = 64 * 8,

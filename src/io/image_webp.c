@@ -6,7 +6,7 @@
 #include <string.h>
 #include <webp/decode.h>
 
-/// More is packed into one by nobody who has something to show; a picture of one colour takes next to no bytes.
+/// No honest picture packs more into a byte; but one of a single colour takes almost no bytes.
 #define PIXELS_PER_BYTE (UINT64_C(1) << 20)
 
 bool rsv_image_is_webp(const rsv_image_file *file)

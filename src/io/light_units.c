@@ -21,7 +21,7 @@ int rsv_blender_version(const char *generator)
     return major < 0 || major > 999 || minor > 999 ? 0 : (int)(1000 * major + minor);
 }
 
-/// What Blender's exporter made of a lamp's watts.
+/// How Blender's exporter converted a lamp's watts.
 typedef enum way { WAY_CANDELA, WAY_WATT_PER_SR, WAY_WATT, WAYS } way;
 
 static const rsv_light_scale scale_of_way[WAYS] = {
@@ -36,7 +36,7 @@ static const rsv_light_scale scale_of_way[WAYS] = {
         "reads their numbers as W/sr" },
 };
 
-/// Whether a number has four digits at most, but for what rounding to a float makes of it.
+/// Whether a number has at most four digits, apart from rounding to a float.
 static bool is_typed(double number)
 {
     if (!(number > 0) || !isfinite(number)) return false;
@@ -44,7 +44,7 @@ static bool is_typed(double number)
     return fabs(digits - round(digits)) < 1e-7 * digits;
 }
 
-/// @return WAYS = the number tells nothing
+/// @return WAYS = cannot be told from the number
 static way way_of(const rsv_gltf_light *light)
 {
     bool distant = rsv_punctual_is_distant(&light->value);
@@ -55,7 +55,7 @@ static way way_of(const rsv_gltf_light *light)
     return is_typed(light->strength) ? WAY_WATT : WAYS;
 }
 
-/// What most of the lights say; where none says anything, what that version does unasked.
+/// The way that most lights point to; if none does, the default of that version of Blender.
 static way find_way(const rsv_gltf_document *document, int version)
 {
     size_t votes[WAYS + 1] = { 0 };
@@ -78,7 +78,7 @@ rsv_light_scale rsv_gltf_light_scale(const rsv_gltf_document *document, rsv_ligh
     int version = rsv_blender_version(document->generator);
     if (wanted == RSV_LIGHT_UNITS_PHOTOMETRIC) {
         scale.local = scale.distant = 1 / RSV_LUMENS_PER_WATT;
-        // Blender's exporter changes lights alone
+        // Blender's exporter converts lights only
         scale.emission = version < 0 ? 1 / RSV_LUMENS_PER_WATT : 1;
     }
     if (wanted != RSV_LIGHT_UNITS_AUTO || document->light_count == 0) return scale;

@@ -50,8 +50,9 @@ static bool is_number(const char *text)
     return end != text;
 }
 
-/// What a statement is, in the letters that importers know; NULL = nothing that has an effect. Colours may be given as
-/// spectra and CIE XYZ, which nobody reads. @param arguments what follows the word
+/// The effect of a statement, as importers see it; NULL = it has none. Colours given as spectra or CIE XYZ are not
+/// read.
+/// @param arguments the text after the word
 static const char *meaning_of(const char *word, const char *arguments, bool is_library)
 {
     const char *meant = meant_word(word, is_library ? library_words : object_words);
@@ -70,7 +71,7 @@ static void note(unused *u, const char *word, size_t line)
     u->line[u->count++] = line;
 }
 
-/// The word at `text`, cut to fit, without what is no letter of a message.
+/// Copies the word at `text`, cut to fit, without control characters.
 static void copy_word(const char *text, char word[WORD_BYTES])
 {
     size_t length = 0;
@@ -130,10 +131,10 @@ void rsv_obj_warn_of_unused(
             u.colored);
 }
 
-// ---- what an importer gets to see -------------------------------------------------------------------
+// ---- the text for the importer ----------------------------------------------------------------------
 
-/// Lines that end in one '\n', without blanks before and behind; those that go on in the next are joined with it.
-/// @return the size of what is left
+/// Strips blanks around each line, ends each with one '\n', and joins continued lines.
+/// @return the new size
 static size_t join_lines(char *text, size_t size)
 {
     size_t kept = 0;
@@ -189,7 +190,7 @@ static void put_color(FILE *to, const char *word, const char *arguments)
     fputc('\n', to);
 }
 
-/// Numbers that begin with a point, which the importer does not know for numbers, get a zero.
+/// Puts a zero before numbers that begin with a point: the importer does not recognise those.
 static void put_numbers(FILE *to, const char *word, const char *arguments)
 {
     fprintf(to, "%s ", word);
@@ -204,7 +205,7 @@ static void put_numbers(FILE *to, const char *word, const char *arguments)
     fputc('\n', to);
 }
 
-/// The place of a vertex. @return what follows it; NULL = its numbers are not three, or six with a colour
+/// The position of a vertex. @return the text after it; NULL = not three numbers, or six with a colour
 static const char *read_vertex(const char *arguments, double place[3])
 {
     char *end = NULL;
@@ -216,8 +217,9 @@ static const char *read_vertex(const char *arguments, double place[3])
     return rest == 0 || rest == 3 ? arguments : NULL;
 }
 
-/// What all vertices have in common, if they lie far from the origin. Most files tell with their first few that they do not.
-/// @param text with '\n' behind its lines
+/// The common offset of all vertices, if they lie far from the origin. Most files rule that out with their first
+/// vertices.
+/// @param text each line ends in '\n'
 static void find_origin(char *text, double origin[3])
 {
     rsv_far_box bounds = rsv_far_nothing();
@@ -453,7 +455,7 @@ static rsv_status check_line(checker *c, const char *text, bool is_first)
     return check_numbers(c, text + 1);
 }
 
-/// Counts first: a face may refer to what stands behind it.
+/// Counts vertices first: a face may refer to a vertex further down.
 static rsv_status check_file(FILE *file, checker *c, bool is_first)
 {
     rsv_status status = RSV_OK;

@@ -1,4 +1,4 @@
-/// What Wavefront files say that Assimp passes over without a word, and why it refuses some.
+/// What Wavefront files say that Assimp ignores silently, and why it refuses some of them.
 #ifndef RSV_OBJ_SCAN_H
 #define RSV_OBJ_SCAN_H
 
@@ -11,11 +11,11 @@
 void rsv_obj_warn_of_unused(
     const rsv_context *context, const rsv_file_source *files, const char *path, bool is_library);
 
-/// The text of a file as an importer understands it: statements without effect, which some are taken for others, are comments,
-/// lines end in '\n', and there is no byte order mark.
-/// Vertices far from the origin are less what all have in common, as importers keep single precision.
-/// @param file open for reading, at its start @param size out @param origin out: what was taken out of vertices
-/// @return malloc'ed; NULL = no memory, or unreadable
+/// Returns the text of a file in a form that the importer understands: statements without effect, some of which it
+/// would mistake for others, become comments; lines end in '\n'; there is no byte order mark. If all vertices lie far
+/// from the origin, their common offset is subtracted, as importers keep single precision.
+/// @param file open for reading, at its start @param size out @param origin out: the offset
+/// @return malloc'ed; NULL = out of memory, or unreadable
 char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3]);
 
 /// Names of materials, each once, with a '\n' before and behind it.
@@ -24,7 +24,7 @@ typedef struct rsv_obj_names {
     size_t size, capacity;
 } rsv_obj_names;
 
-/// Adds what statements name. @param text from rsv_obj_clean @param word of the statements: "usemtl" or "newmtl"
+/// Adds the names that statements give. @param text from rsv_obj_clean @param word the statement: "usemtl" or "newmtl"
 void rsv_obj_note_names(const char *text, const char *word, rsv_obj_names *names);
 
 /// Names, in one warning, the materials that are used and not defined.

@@ -57,7 +57,7 @@ static bool read_format(rsv_ply_header *header, const char *line, bool *has_form
 static void note_unused(rsv_ply_header *header, const char *name)
 {
     size_t used = strlen(header->unused);
-    if (used + strlen(name) + 8 > sizeof header->unused) return; // an endless list helps nobody
+    if (used + strlen(name) + 8 > sizeof header->unused) return; // keep the list short
     snprintf(header->unused + used, sizeof header->unused - used, "%s%s", used ? ", " : "", name);
 }
 
@@ -93,7 +93,8 @@ static uint8_t role_of(const rsv_ply_element *e, const char *name, bool is_list)
     return RSV_PLY_UNUSED;
 }
 
-/// A list may be empty: its count is all that is certain. In text a value takes a digit and a separator.
+/// Adds a property to the element that the header described last. A list may be empty: only its count adds to the least
+/// size of a record. In text, a value takes at least a digit and a separator.
 static bool read_property(rsv_ply_header *header, const char *line)
 {
     char type[16], item[16], name[64];

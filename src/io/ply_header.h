@@ -9,7 +9,7 @@
 
 typedef enum rsv_ply_format { RSV_PLY_ASCII, RSV_PLY_LITTLE, RSV_PLY_BIG } rsv_ply_format;
 
-/// What a number is stored as.
+/// The type that a number is stored as.
 typedef enum rsv_ply_type {
     RSV_PLY_NONE,
     RSV_PLY_INT8,
@@ -22,7 +22,7 @@ typedef enum rsv_ply_type {
     RSV_PLY_DOUBLE
 } rsv_ply_type;
 
-/// What a property is read as: x, y, z, nx, ny, nz of vertices in this order, or corners.
+/// What a property is used for: x, y, z, nx, ny, nz of vertices in this order, or the corners of faces.
 typedef enum rsv_ply_role { RSV_PLY_UNUSED = 6, RSV_PLY_INDICES } rsv_ply_role;
 
 typedef struct rsv_ply_property {
@@ -51,7 +51,7 @@ typedef struct rsv_ply_header {
     uint32_t element_count;
     rsv_ply_property property[RSV_PLY_PROPERTIES];
     uint32_t property_count;
-    char unused[256]; ///< names of what has no effect, with commas
+    char unused[256]; ///< names of properties without effect, separated by commas
     size_t bytes;     ///< of the header
     size_t lines;
 } rsv_ply_header;

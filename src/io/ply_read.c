@@ -1,5 +1,5 @@
-/// Stanford polygon files. Our own reader, because importers stumble over blank lines, elements between vertices and faces
-/// and empty lists, take files that are cut off for whole, and read one triangle of a strip.
+/// Stanford polygon files. Our own reader, because importers stumble over blank lines, elements between vertices and
+/// faces and empty lists, take files that are cut off for whole, and read one triangle of a strip.
 #include "../core/number_text.h"
 #include "../core/vec.h"
 #include "bare_mesh.h"
@@ -32,7 +32,7 @@ typedef struct ply_reader {
     size_t flat; ///< polygons of fewer than three corners
 } ply_reader;
 
-/// The place of what is read, for messages.
+/// Fails with the place in the file where reading stopped.
 static rsv_status fail_at(const ply_reader *r, const char *problem)
 {
     if (r->header.format == RSV_PLY_ASCII)

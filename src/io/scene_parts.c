@@ -9,13 +9,13 @@
 
 typedef enum part_kind { LOG, TEXTURE, MATERIAL, MESH, INSTANCE, LIGHT, CAMERA } part_kind;
 
-/// What a record begins with. Its name follows, then what its kind needs, each padded to ALIGNMENT.
+/// The head of a record. Its name follows, then the data of its kind, each padded to ALIGNMENT.
 typedef struct part_head {
     uint32_t kind; ///< part_kind
     uint32_t
         number; ///< level of a log, material of a mesh, mesh of an instance, flags of a material
     uint32_t name_bytes; ///< with the zero at its end; 0 = NULL
-    uint32_t flags;      ///< of a mesh: what it has; of a material: how many textures
+    uint32_t flags;      ///< of a mesh: which arrays it has; of a material: how many textures
     uint64_t vertex_count, triangle_count;
 } part_head;
 
@@ -204,8 +204,8 @@ cleanup:
     return status;
 }
 
-/// Leaves out those that cannot be read, with a warning. @param material its textures are numbers of those sent; ids in the scene
-/// afterwards @param ref they again
+/// Leaves out those that cannot be read, with a warning. @param material its textures are numbers of those sent; ids in
+/// the scene afterwards @param ref they again
 static rsv_status find_textures(const parcel *p, rsv_material *material, rsv_texture_ref *ref)
 {
     size_t kept = 0;

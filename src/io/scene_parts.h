@@ -1,5 +1,5 @@
-/// Parts of a scene on their way from one process to another: a stream of records, sent in the order in which they are to
-/// be added. Meshes and materials count from 0.
+/// Parts of a scene on their way from one process to another: a stream of records, sent in the order in which they are
+/// to be added. Meshes and materials count from 0.
 #ifndef RSV_SCENE_PARTS_H
 #define RSV_SCENE_PARTS_H
 
@@ -12,12 +12,12 @@
 void rsv_send_log(FILE *to, rsv_log_level level, const char *message);
 #define RSV_PART_PATH_BYTES 1024
 
-/// A texture on its way.
+/// A texture to be sent.
 typedef struct rsv_part_texture {
-    const char *name;     ///< of its file, as the scene's file has it
-    const uint8_t *bytes; ///< [size] the file itself; NULL = it lies where its name says
+    const char *name;     ///< of its file, as the scene's file spells it
+    const uint8_t *bytes; ///< [size] the contents of the file; NULL = read it from `name`
     size_t size;
-    bool srgb, shines; ///< as in rsv_texture_source, and so on
+    bool srgb, shines; ///< these and the following as in rsv_texture_source
     rsv_texture_use use;
     float shininess;
     rsv_wrap wrap_u, wrap_v;
@@ -33,9 +33,10 @@ void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], cons
 void rsv_send_light(FILE *to, const rsv_punctual_light *light);
 void rsv_send_camera(FILE *to, const rsv_camera *camera);
 
-/// Adds all parts to a scene that has none, and logs what was logged. RSV_ERROR_FORMAT if the bytes are no whole number of
-/// records, or as the scene refuses them. Textures that cannot be read are named in a warning, and left out of their materials.
-/// @param bytes [count], aligned to 4 @param path of the scene's file: textures are looked for beside it, in `files`
+/// Adds all parts to an empty scene and repeats the messages that were logged. RSV_ERROR_FORMAT if the bytes are not a
+/// whole number of records; otherwise errors of the scene. Textures that cannot be read are named in a warning and left
+/// out.
+/// @param bytes [count], aligned to 4 @param path the scene's file: textures are looked for beside it, in `files`
 rsv_status rsv_receive_parts(const uint8_t *bytes, size_t count, const rsv_file_source *files,
     const char *path, rsv_scene *scene);
 

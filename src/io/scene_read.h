@@ -26,7 +26,8 @@ rsv_status rsv_name_file(rsv_status status, const char *path);
 /// Sides as the caller wants them, before commit. Bodies that let light through have an inside, and stay as they are.
 void rsv_set_sides(const rsv_load_desc *desc, rsv_scene *scene);
 
-/// Fills a scene with what a document shows. @param is_moment the scene has its materials, and messages were given before
+/// Fills a scene with a document's contents. @param is_moment the scene has its materials already: messages are not
+/// repeated
 rsv_status rsv_gltf_fill(
     const rsv_gltf_document *document, const rsv_load_desc *desc, bool is_moment, rsv_scene *scene);
 

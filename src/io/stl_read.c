@@ -1,5 +1,5 @@
-/// STL, text and binary. Our own few lines, because what programs write varies more than importers bear: capitals, several
-/// solids, polygons, bytes behind the last triangle, binary files that begin with "solid", counts that were never filled in.
+/// STL, text and binary. Written here because files vary more than importers accept: capitals, several solids,
+/// polygons, bytes after the last triangle, binary files that begin with "solid", counts that were never filled in.
 #include "../core/core.h"
 #include "../core/number_text.h"
 #include "../core/vec.h"
@@ -94,7 +94,7 @@ static float float_at(const char *b)
     return value;
 }
 
-/// How many triangles the file holds: what it says, unless it was written in one go and left that open.
+/// Number of triangles: the count in the file, unless a program that streamed the file left it open.
 static rsv_status count_records(const stl_reader *r, size_t *count)
 {
     if (r->size < TABLE_START)
@@ -201,7 +201,7 @@ static size_t length_of_name(const char *at)
     return length;
 }
 
-/// The rest of the line, or of what comes before a facet in it, without blanks around it. @param name NULL = nobody wants it
+/// Reads the rest of the line, or up to a facet in it, without blanks around it. @param name NULL = skip it
 static void rest_of_line(cursor *c, char *name)
 {
     size_t length = length_of_name(c->at), blanks = strspn(c->at, " \t");
@@ -266,7 +266,7 @@ cleanup:
     return status;
 }
 
-/// What does not belong to the format goes with its line, and is named once, at the end.
+/// Skips a line that is not of the format; it is reported once, at the end.
 static void pass_over(stl_reader *r, cursor *c, const char *word)
 {
     if (!r->unknown_line) {

@@ -25,7 +25,7 @@ static rsv_texture_desc describe(
 
 static bool has_alpha(uint32_t channels) { return channels % 2 == 0; }
 
-/// Of the texture that a picture of so many channels becomes.
+/// Number of channels of the texture made of a picture with `channels`.
 static uint32_t wanted_channels(const rsv_texture_source *source, uint32_t channels)
 {
     if (source->use == RSV_TEXTURE_GREY_IS_ALPHA) return has_alpha(channels) ? channels : 2;
@@ -48,13 +48,14 @@ static uint32_t channel_of_grey(const rsv_texture_source *source)
     return source->use == RSV_TEXTURE_GREY_IS_BLUE ? 2 : 1;
 }
 
-/// What the texture says where the picture shows that grey, 0..1.
+/// The value in the texture for that grey of the picture, 0..1.
 static float value_of_grey(const rsv_texture_source *source, float grey)
 {
     return source->shininess > 0 ? rsv_roughness_of_shininess(grey * source->shininess) : grey;
 }
 
-/// Normal maps are blue: they point outwards, and to all sides alike about. @param sum of red, green and blue
+/// Normal maps are mostly blue, as normals point outwards and lean to all sides equally. @param sum of red, green and
+/// blue
 static rsv_status check_normals(
     const rsv_texture_source *source, const double sum[3], uint32_t channels)
 {
@@ -64,7 +65,8 @@ static rsv_status check_normals(
                                            "supported; convert it to a normal map");
 }
 
-/// The texels of a picture that is to be rearranged. @param codes [height * width * channels] @param made out: to be freed
+/// Copies the texels of a picture, rearranged for the texture. @param codes [height * width * channels] @param made
+/// out: to be freed
 static rsv_status rearrange(rsv_context *context, const rsv_texture_source *source,
     const rsv_image_codes *codes, uint8_t **made)
 {
@@ -130,7 +132,7 @@ static float linear_of(uint16_t code, bool is_color)
     return (float)(is_color ? rsv_srgb_decode(value) : value);
 }
 
-/// Texels of a picture of 16 bits, in linear light. @param value out: [height * width * wanted channels]
+/// Converts 16-bit texels to linear light. @param value out: [height * width * wanted channels]
 static void take_codes16(const rsv_texture_source *source, const rsv_image_codes *size,
     const uint16_t *code, float *value)
 {
@@ -239,7 +241,7 @@ cleanup:
 
 // ---- KTX2 -------------------------------------------------------------------------------------------
 
-/// What a texture's values are in linear light, in place.
+/// Converts a texture's values to linear light, in place.
 static void make_linear(const rsv_texture_source *source, rsv_ktx_picture *p)
 {
     size_t count = (size_t)p->width * p->height * p->channel_count;

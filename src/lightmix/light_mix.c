@@ -1,4 +1,4 @@
-/// Pictures as sums of what sources show: light transport is linear in its sources, pixels included.
+/// Pictures as sums over sources: light transport, pixels included, is linear in its sources.
 #include "../core/descriptor.h"
 #include "../core/parallel.h"
 #include "../relight/relight_responses.h"
@@ -9,7 +9,7 @@
 
 #define MOST_BYTES ((size_t)512 << 20)
 
-/// What sources show whose factors have always been alike.
+/// The picture of sources whose factors have always been equal.
 typedef struct mix_part {
     rsv_image *image; ///< with factors of 1; NULL = not rendered
 } mix_part;
@@ -18,18 +18,18 @@ struct rsv_light_mix {
     rsv_context *context;
     rsv_relighter *r;
     rsv_render_desc picture;
-    rsv_light_settings kept; ///< but for its factors, what the pictures are of
+    rsv_light_settings kept; ///< settings of the pictures, without factors
     size_t source_count, part_count;
     uint32_t replacements;
     uint32_t *part_of;       ///< [source_count]
     mix_part *part;          ///< [source_count], part_count of them in use
     rsv_rgb *scale, *wanted; ///< [source_count]
     bool is_unlit;           ///< there are unlit surfaces
-    rsv_image *dark;         ///< these alone; NULL = not rendered
+    rsv_image *dark;         ///< unlit surfaces only; NULL = not rendered
     size_t rendered;
 };
 
-// ---- what is kept ---------------------------------------------------------------------------------
+// ---- stored pictures -----------------------------------------------------------------------------
 
 static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 
@@ -131,7 +131,7 @@ static bool split(rsv_light_mix *m, size_t p)
 
 // ---- pictures -------------------------------------------------------------------------------------
 
-/// Parts with random numbers of their own add up to less noise; but what unlit surfaces show in all of them shall cancel.
+/// Parts with different random numbers add up to less noise, but unlit surfaces, which all of them show, must cancel.
 static uint32_t seed_of(const rsv_light_mix *m, uint32_t part)
 {
     return m->is_unlit || part == 0 ? m->picture.seed : rsv_hash2(m->picture.seed, part);
@@ -151,7 +151,7 @@ static rsv_status render(rsv_light_mix *m, uint32_t part, rsv_image **image)
                : rsv_render(r->light, &desc, image);
 }
 
-/// What the sources of a part show by themselves, as strong as they were in the beginning. @param part RSV_NONE = without any
+/// Renders the sources of a part alone, at their original strength. @param part RSV_NONE = without any source
 static rsv_status render_part(rsv_light_mix *m, uint32_t part, uint32_t seed, rsv_image **image)
 {
     for (size_t k = 0; k < m->source_count; k++)
@@ -160,7 +160,7 @@ static rsv_status render_part(rsv_light_mix *m, uint32_t part, uint32_t seed, rs
     return status == RSV_OK ? render(m, seed, image) : status;
 }
 
-/// Renders what shows and is not there yet, and puts the light back.
+/// Renders the missing pictures, and restores the light.
 static rsv_status complete(rsv_light_mix *m)
 {
     rsv_status status = RSV_OK;
@@ -177,7 +177,7 @@ cleanup:
     return status;
 }
 
-/// What a part adds to the picture.
+/// Contribution of a part to the picture.
 typedef struct addend {
     const rsv_rgb *part, *dark; ///< pixels; `dark` may be NULL
     rsv_rgb factor, *sum;

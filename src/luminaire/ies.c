@@ -6,7 +6,7 @@
 
 #define METRES_PER_FOOT 0.3048
 
-/// What the two lines behind TILT say.
+/// Values of the two lines after TILT.
 typedef struct ies_facts {
     double lamps, lumens, multiplier, vertical, horizontal, type, units, size[3], ballast, factor,
         watts;
@@ -83,7 +83,7 @@ static void keep_facts(rsv_luminaire *l, const ies_facts *f)
     l->watts = f->watts > 0 ? f->watts : 0;
 }
 
-/// More numbers than the angles ask for: one of the counts may be wrong.
+/// There are more numbers than the angles require, so one of the counts may be wrong.
 static void warn_of_rest(rsv_luminaire_text *t)
 {
     const char *blank = " \t\r\n,;\x1a"; // the last one ends files of old

@@ -29,7 +29,7 @@ RSV_INLINE bool rsv_luminaire_interval(
     return true;
 }
 
-/// Brings a horizontal angle of type C into what the file holds.
+/// Maps a horizontal angle of type C to the range stored in the file.
 RSV_INLINE double rsv_luminaire_fold_c(const rsv_luminaire *l, double c)
 {
     double first = (double)l->horizontal[0], last = (double)l->horizontal[l->horizontal_count - 1];

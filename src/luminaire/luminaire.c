@@ -16,7 +16,8 @@ double rsv_luminaire_intensity(const rsv_luminaire *l, rsv_vec3 direction)
     return rsv_luminaire_towards(l, (double)direction.x, (double)direction.y, -(double)direction.z);
 }
 
-/// Weights of the ends of an interval of latitudes, radians from the pole on, of a function that is linear in between, times the sine.
+/// Weights of the ends of an interval of latitudes, radians from the pole on, of a function that is linear in between,
+/// times the sine.
 static void sine_weights(double a, double b, double weight[2])
 {
     double step = b - a;
@@ -27,7 +28,7 @@ static void sine_weights(double a, double b, double weight[2])
     weight[1] = first;
 }
 
-/// Part of a turn that each horizontal angle stands for, radians: half of the intervals beside it, as often as symmetry repeats them.
+/// Part of a turn for each horizontal angle, radians: half of the neighbouring intervals, repeated by symmetry.
 static double turn_weight(const float *angle, uint32_t count, uint32_t k, double repeats)
 {
     double low = (double)angle[k > 0 ? k - 1 : 0],
@@ -35,7 +36,7 @@ static double turn_weight(const float *angle, uint32_t count, uint32_t k, double
     return count == 1 ? 2 * M_PI : repeats * 0.5 * (high - low) * DEGREES;
 }
 
-/// How often what the file holds goes round.
+/// How often symmetry repeats the stored range in a full turn.
 static double repeats_of(const rsv_luminaire *l, const float *turn, uint32_t count)
 {
     double span = (double)(turn[count - 1] - turn[0]);
@@ -125,7 +126,7 @@ rsv_status rsv_luminaire_copy(rsv_context *context, const rsv_luminaire *from, r
     return RSV_OK;
 }
 
-/// Whether angles ascend within a turn; what files hold is checked as it is read.
+/// Whether angles ascend within a turn. Files are checked as they are read.
 static bool are_angles(const float *angle, uint32_t count)
 {
     bool sound = angle && count > 0;

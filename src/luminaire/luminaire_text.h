@@ -8,7 +8,7 @@
 typedef struct rsv_luminaire_text {
     rsv_context *context;
     const char *path;
-    char *start, *rest; ///< what has not been read yet
+    char *start, *rest; ///< rest: not read yet
     rsv_luminaire *to;
 } rsv_luminaire_text;
 
@@ -27,7 +27,7 @@ rsv_status rsv_luminaire_number_within(
 /// Copies the beginning of the next line, without its end. @return false if there is none
 bool rsv_luminaire_line(rsv_luminaire_text *text, char *line, size_t size);
 
-/// Makes room for so many angles and intensities, and one plane more.
+/// Allocates angles and intensities, and one more plane.
 rsv_status rsv_luminaire_reserve(rsv_luminaire_text *text, uint32_t vertical, uint32_t horizontal);
 /// Whether angles to the axis reach no farther than from pole to pole, and those around it no farther than one turn.
 bool rsv_luminaire_is_on_sphere(const rsv_luminaire *luminaire);
@@ -38,7 +38,7 @@ rsv_status rsv_luminaire_angles(
 /// Reads all intensities, times `scale`. Negative ones become 0.
 rsv_status rsv_luminaire_intensities(rsv_luminaire_text *text, double scale);
 
-/// Adds the first plane once more where planes go all around but for that.
+/// Repeats the first plane at the end if that completes the circle.
 void rsv_luminaire_close(rsv_luminaire *luminaire);
 
 rsv_status rsv_luminaire_read_ies(rsv_luminaire_text *text);

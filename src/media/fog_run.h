@@ -1,15 +1,16 @@
-/// The part of a ray that runs through fog: density along it, distance sampling and equiangular sampling, as formulas alone.
+/// The part of a ray inside fog: its density, distance sampling and equiangular sampling. Formulas only.
 ///
-/// The extinction of channel c is sigma_c times a density without unit. Its integral along the ray, the column (metres),
-/// serves all channels: the transmittance is exp(-sigma_c column). Density is 1 up to a height and falls exponentially
-/// above, so that a ray has two pieces at most, and columns and their inverse are closed forms.
+/// The extinction of channel c is sigma_c times a dimensionless density. The integral of the density along the ray, the
+/// column (metres), serves all channels: the transmittance is exp(-sigma_c column). Density is 1 up to a height and
+/// decays exponentially above it, so a ray has at most two pieces, and columns and their inverses have closed forms.
 #ifndef RSV_FOG_RUN_H
 #define RSV_FOG_RUN_H
 
 #include "../core/vec.h"
 #include "resolvent/scene.h"
 
-/// Of [begin, end] along the ray, metres. The density is greatest at one end and falls by exp(-rate) per metre from there.
+/// Of [begin, end] along the ray, metres. The density is greatest at one end and falls by exp(-rate) per metre from
+/// there.
 typedef struct rsv_fog_piece {
     double begin, end; ///< end may be INFINITY unless the density rises
     double densest;    ///< the greatest density
@@ -76,7 +77,7 @@ RSV_INLINE rsv_fog_piece rsv_fog_piece_of(
         return p;
     }
     double at_begin = height + (slope != 0 ? slope * begin : 0);
-    // beyond any end below the base: one point of the piece tells
+    // both ends are on the same side of the base: test one point of the piece
     bool above = at_begin + slope * (end < INFINITY ? 0.5 * (end - begin) : 1) > 0;
     if (above && scale_height < INFINITY) {
         p.rises = slope < 0;
@@ -148,8 +149,8 @@ RSV_INLINE double rsv_fog_free_column(float extinction, float u)
     return extinction > 0 ? -log1p(-(double)u) / (double)extinction : INFINITY;
 }
 
-/// Equiangular sampling (Kulla and Fajardo 2012): distances along a ray, evenly over the angle at a point beside it, so
-/// that the density follows 1 / distance^2 from that point.
+/// Equiangular sampling (Kulla and Fajardo 2012): distances along a ray, uniform in the angle seen from a point beside
+/// it, so that the density is proportional to 1 / distance^2 from that point.
 typedef struct rsv_equiangular {
     double foot;       ///< metres along the ray to the place nearest to the point
     double height;     ///< metres from there to the point

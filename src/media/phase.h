@@ -1,4 +1,5 @@
-/// Henyey and Greenstein's phase function (1941): the density per solid angle of how far light turns where it is scattered.
+/// Henyey and Greenstein's phase function (1941): the density per solid angle of how far light turns where it is
+/// scattered.
 #ifndef RSV_PHASE_H
 #define RSV_PHASE_H
 

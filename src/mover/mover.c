@@ -23,7 +23,7 @@ rsv_vec3 rsv_mover_point(const rsv_mover *m, rsv_vec3 p)
 
 // ---- light --------------------------------------------------------------------------------------
 
-/// A ball around what shines from a finite distance.
+/// A sphere around all sources at a finite distance.
 static void bound_lamps(rsv_mover *m)
 {
     const rsv_lights *lights = m->solution->lights;

@@ -17,14 +17,14 @@ struct rsv_mover {
     rsv_context *context;
     const rsv_light_view *solution;
     const rsv_scene_view *body;
-    rsv_tracer *tracer; ///< of the body, where its scene has it
+    rsv_tracer *tracer; ///< of the body, at its position in its scene
     rsv_mover_desc desc;
     rsv_probe_grid grid; ///< without light straight from sources
     rsv_rgb *irradiance; ///< [vertex_count]
     rsv_rgb *albedo;     ///< [material_count]
     rsv_vec3 middle;     ///< that it turns about
-    rsv_vec3 offset;     ///< from where its scene has it, in the coordinates of the solution's
-    rsv_vec3 base;       ///< what of that is due to the two scenes' origins
+    rsv_vec3 offset;     ///< from its position in its scene, in the coordinates of the solution's scene
+    rsv_vec3 base;       ///< part of it due to the two scenes' origins
     float sine, cosine;  ///< of the turn
     rsv_ball ball;       ///< around it, in the world
     rsv_ball lamps;      ///< around all sources
@@ -50,8 +50,8 @@ RSV_INLINE rsv_vec3 rsv_mover_point_back(const rsv_mover *m, rsv_vec3 p)
 
 float rsv_mover_passed(const rsv_mover *mover, const rsv_ray *ray);
 
-/// What the rays of a packet meet of the object before they end where they do. @param body scratch
-/// @return lanes that meet it, a bit each; their hits are in `body`
+/// Hits of a packet's rays on the object before their ends. @param body scratch
+/// @return lanes that hit it, one bit each; the hits are in `body`
 uint32_t rsv_mover_meet(const rsv_mover *mover, const rsv_ray_packet *packet, rsv_ray_packet *body);
 
 /// Radiance of the object at a hit of rsv_mover_meet.
@@ -59,8 +59,9 @@ rsv_rgb rsv_mover_shown(const rsv_mover *mover, const rsv_ray_packet *body, uint
 
 #define RSV_MOST_AIMED 192
 
-/// Samples all sources. @param samples of emitters, suns and sky @param event [RSV_MOST_AIMED] out, those whose rays are to be
-/// traced @return how many
+/// Samples all sources. @param samples of emitters, suns and sky @param event [RSV_MOST_AIMED] out, with the rays to
+/// trace
+/// @return number of events
 uint32_t rsv_mover_aim(const rsv_mover *mover, const rsv_receiver *receiver, uint32_t samples,
     uint32_t stream, rsv_next_event *event);
 

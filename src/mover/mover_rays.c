@@ -11,7 +11,7 @@ float rsv_mover_passed(const rsv_mover *m, const rsv_ray *ray)
     return rsv_tracer_passed(m->tracer, &turned);
 }
 
-// ---- what is seen of it ---------------------------------------------------------------------------
+// ---- visibility of the object --------------------------------------------------------------------
 
 static void turn_rays(const rsv_mover *m, const rsv_ray_packet *from, rsv_ray_packet *to)
 {
@@ -56,7 +56,7 @@ rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
 
 static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sampled : 1; }
 
-/// Stratified samples that closed forms know, as many as make sure of one.
+/// Number of stratified samples that guarantees at least one in the closed forms.
 #define FEWEST_KNOWN 2
 
 /// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
@@ -72,7 +72,7 @@ static uint32_t aim_at_emitters(const rsv_receiver *receiver, const rsv_entrance
         open = rgb_add(open, event[count].open);
         count += rsv_next_event_asks(&event[count]);
     }
-    // few samples may all have been the tree's: a ratio would lose what they might have been
+    // if there are few samples, all may belong to the tree, and a ratio would lose the others
     if (local->tree_share > 0 && (1 - local->tree_share) * (float)samples < FEWEST_KNOWN)
         return count;
     rsv_rgb scale = rgb(ratio(local->unshadowed.r, open.r), ratio(local->unshadowed.g, open.g),

@@ -252,7 +252,7 @@ PetscErrorCode rsv_mpi_shell_system(rsv_mpi_rows *r, Mat *matrix)
 
 /// The entries of one row of G K, channel by channel, summed by node.
 typedef struct row_sums {
-    double (*sum)[3]; ///< [node_count] 0 but for those listed
+    double (*sum)[3]; ///< [node_count] 0 except at listed nodes
     uint8_t *listed;  ///< [node_count]
     uint32_t *node;   ///< [count]
     size_t count;

@@ -1,4 +1,4 @@
-/// The plug-in for work on several processes: MPI carries what a team shares, PETSc and SLEPc solve.
+/// The plug-in for several processes: MPI for communication, PETSc and SLEPc as solvers.
 #ifndef RSV_MPI_PLUG_IN_H
 #define RSV_MPI_PLUG_IN_H
 
@@ -15,7 +15,7 @@ MPI_Comm rsv_mpi_communicator(rsv_team *team);
 
 /// PETSc, which starts with the first system, so that runs without it do not pay for it.
 extern const struct rsv_krylov_table rsv_krylov_petsc;
-/// Ends it if it was started, and says which options were of no use: all of them, if it was not wanted.
+/// Ends PETSc if it was started, and names unused options: all of them, if it was not needed.
 void rsv_krylov_end(rsv_team *team);
 
 #endif

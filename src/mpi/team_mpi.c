@@ -23,7 +23,7 @@ typedef struct mpi_team {
     MPI_Comm job;     ///< collective calls
     MPI_Comm side;    ///< progress
     bool own_mpi;     ///< began here, ends here
-    bool alarmed;     ///< by another, or told them so
+    bool alarmed;     ///< has received or sent the alarm
     double told;      ///< MPI_Wtime of the last message
     MPI_Request sent; ///< of a process other than 0: its last message
     progress_message message;
@@ -102,7 +102,7 @@ static void copy(rsv_team *team, uint32_t from, void *data, size_t bytes)
 
 // ---- progress -------------------------------------------------------------------------------------
 
-/// Process 0 takes what has arrived.
+/// Process 0 receives pending messages.
 static void listen(mpi_team *m)
 {
     for (int there = 1; there;) {
@@ -114,7 +114,7 @@ static void listen(mpi_team *m)
     }
 }
 
-/// Others do not wait for their last message to be heard before they go on, but do before the next.
+/// Other processes continue without waiting for their last message to be received, but wait before they send the next.
 static void tell(mpi_team *m, const char *phase, double fraction)
 {
     int gone = 1;
@@ -148,7 +148,7 @@ static double progress(rsv_team *team, const char *phase, double fraction)
 
 // ---- alarm ----------------------------------------------------------------------------------------
 
-/// Once, to all, and nobody waits for it: it has no content.
+/// Sends the alarm once to all, without waiting. It has no content.
 static void tell_alarm(mpi_team *m)
 {
     for (uint32_t rank = 0; rank < m->base.size; rank++) {

@@ -11,7 +11,7 @@ static void fill_kernel(const rsv_occlusion_setting *setting, rsv_occlusion_scre
     for (uint32_t i = 0; i < count; i++) {
         float x, y, fraction = ((float)i + 0.5f) / (float)count;
         rsv_sobol_2d(i, setting->seed, &x, &y);
-        // cosine-distributed directions, so that their mean is what the surface receives
+        // cosine-distributed directions, so that their mean is the irradiance
         screen->kernel[i] =
             v3_scale(rsv_square_to_cosine_hemisphere(x, y), 0.1f + 0.9f * fraction * fraction);
     }
@@ -22,7 +22,7 @@ static void fill_kernel(const rsv_occlusion_setting *setting, rsv_occlusion_scre
     }
 }
 
-/// What a block of pixels sees.
+/// Depth and normals of a block of pixels.
 static void fill_block(
     const rsv_occlusion_job *job, const rsv_screen_picture *s, uint32_t column, uint32_t row)
 {

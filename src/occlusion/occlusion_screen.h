@@ -1,7 +1,7 @@
-/// Ambient occlusion in screen space, for the processor and for devices alike, as games do it (after Mittring 2007 and its
-/// later forms): points scattered in the hemisphere above a pixel's surface count as occluded where the depth buffer holds
-/// something nearer at their place in the picture. The set is turned from pixel to pixel in a 4x4 pattern, which a 4x4
-/// blur then hides. It sees nothing outside the picture or behind the front surface: the baseline, not a measurement.
+/// Ambient occlusion in screen space, for CPUs and devices, as games do it (after Mittring 2007 and later variants).
+/// Points in the hemisphere above a pixel's surface count as occluded if the depth buffer has something nearer at their
+/// position in the picture. The points are rotated from pixel to pixel in a 4x4 pattern, and a 4x4 blur hides the
+/// pattern. Nothing outside the picture or behind the front surface is seen: this is the baseline, not a measurement.
 #ifndef RSV_OCCLUSION_SCREEN_H
 #define RSV_OCCLUSION_SCREEN_H
 
@@ -58,7 +58,7 @@ RSV_INLINE float rsv_screen_occlusion(const rsv_screen_picture *s, rsv_vec3 poin
     return t * t * (3 - 2 * t);
 }
 
-/// Notes what a pixel sees.
+/// Stores the depth and normal of a pixel.
 RSV_INLINE void rsv_screen_note(
     const rsv_screen_picture *s, size_t pixel, const rsv_seen_surface *seen)
 {
@@ -68,7 +68,7 @@ RSV_INLINE void rsv_screen_note(
     s->buffer->depth[pixel] = seen->hit ? v3_dot(d, camera->forward) : INFINITY;
 }
 
-/// Notes the openness of a pixel, once all pixels have noted what they see.
+/// Computes the openness of a pixel, after all pixels have stored theirs.
 RSV_INLINE void rsv_screen_open(const rsv_screen_picture *s, uint32_t column, uint32_t row)
 {
     size_t pixel = (size_t)row * s->setting->width + column;
@@ -106,7 +106,7 @@ RSV_INLINE float rsv_screen_blur(const rsv_screen_picture *s, uint32_t column, u
     return sum / (float)count;
 }
 
-/// What a pixel shows, once all have noted their openness.
+/// Colour of a pixel, after the openness of all has been computed.
 RSV_INLINE rsv_rgb rsv_screen_shade(const rsv_screen_picture *s, uint32_t column, uint32_t row)
 {
     const rsv_seen_surface *seen = &s->buffer->seen[(size_t)row * s->setting->width + column];

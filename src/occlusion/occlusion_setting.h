@@ -1,5 +1,4 @@
-/// What pictures of ambient occlusion are made of, for the processor and for devices alike: the surface that a camera ray
-/// meets, and the rays that leave it.
+/// Rays of ambient occlusion, for CPUs and devices: the surface that a camera ray hits, and the rays that leave it.
 #ifndef RSV_OCCLUSION_SETTING_H
 #define RSV_OCCLUSION_SETTING_H
 
@@ -10,7 +9,7 @@
 #include "../trace/camera_ray.h"
 #include "../trace/offset.h"
 
-/// What pictures of one scene and size share. On a device, all it points to lies there.
+/// Data common to pictures of one scene and size. On a device, all pointers are to device memory.
 typedef struct rsv_occlusion_setting {
     const rsv_scene_view *view;
     rsv_sky sky; ///< without pixels: of radiance 1 for surfaces, black for the camera
@@ -18,7 +17,7 @@ typedef struct rsv_occlusion_setting {
     uint32_t width, height, seed;
     uint32_t camera_rays; ///< of a pixel
     uint32_t samples;     ///< directions of an estimate
-    float distance;       ///< metres; what is farther away does not occlude
+    float distance;       ///< metres; farther geometry does not occlude
 } rsv_occlusion_setting;
 
 /// A surface as the camera sees it; everything counts as diffuse.
@@ -29,7 +28,7 @@ typedef struct rsv_seen_surface {
     rsv_rgb emission;        ///< of the surface, or of the sky where there is none
 } rsv_seen_surface;
 
-/// What a white surface without obstacles reflects.
+/// Radiance of an unoccluded white surface.
 RSV_INLINE rsv_rgb rsv_ambient_radiance(const rsv_occlusion_setting *s, rsv_vec3 normal)
 {
     if (!s->sky.pixel) return rgb_gray(1);

@@ -1,4 +1,4 @@
-/// What both forms of ambient occlusion share on the processor.
+/// Shared by both kinds of ambient occlusion on the CPU.
 #ifndef RSV_OCCLUSION_VIEW_H
 #define RSV_OCCLUSION_VIEW_H
 
@@ -7,7 +7,7 @@
 #include "resolvent/render.h"
 #include "resolvent/trace.h"
 
-/// What pictures of one scene and size share.
+/// Data common to pictures of one scene and size.
 struct rsv_occlusion {
     rsv_context *context;
     rsv_tracer *tracer;

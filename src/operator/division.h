@@ -25,11 +25,12 @@ void rsv_division_destroy(rsv_division *division);
 /// @param part which of them is this process's
 rsv_status rsv_division_cut(rsv_division *division, uint32_t part, uint32_t part_count);
 
-/// Timing in turns: item `index * step % count` comes next, far from those before it, so that a machine which is busy for a
-/// while makes all parts dearer alike. @return the step, which reaches each of `count` items
+/// Timing in turns: item `index * step % count` comes next, far from those before it, so that a machine which is busy
+/// for a while makes all parts dearer alike. @return the step, which reaches each of `count` items
 size_t rsv_division_step(size_t count);
 
-/// Hands a field, known to each process in its own part, to all. Nodes without a row are left out: all must know theirs.
+/// Hands a field, known to each process in its own part, to all. Nodes without a row are left out: all must know
+/// theirs.
 /// @param division NULL = there is nothing to do
 void rsv_division_share(const rsv_division *division, void *field, size_t item_bytes);
 

@@ -1,4 +1,4 @@
-/// What assembly could cost at best: its rays, traced and forgotten.
+/// Minimum cost of assembly: tracing its rays without using the results.
 #include "../core/parallel.h"
 #include "directions.h"
 #include "receiver_points.h"

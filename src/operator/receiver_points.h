@@ -29,7 +29,7 @@ typedef struct rsv_receiver_points {
 typedef struct rsv_receiver_draw {
     uint32_t node;
     uint32_t
-        index; ///< has the random numbers: the node, or what it was in an earlier version of the scene
+        index; ///< selects the random numbers: the node's, or its index in an earlier version of the scene
     uint32_t seed;
     uint16_t valid; ///< bit k = point k counts; not 0
 } rsv_receiver_draw;
@@ -43,7 +43,8 @@ void rsv_receiver_points_set_up(const rsv_elements *elements, const rsv_tracer *
     rsv_receiver_draw draw, const rsv_support_point sample[RSV_SUPPORT_POINTS],
     rsv_receiver_points *points);
 
-/// The ray of a lane that may leave another surface than its triangle (bit k of `lifted`). @return false = it carries nothing
+/// The ray of a lane that may leave another surface than its triangle (bit k of `lifted`). @return false = it carries
+/// nothing
 RSV_INLINE bool rsv_receiver_points_lift(
     const rsv_receiver_points *p, uint32_t k, rsv_vec3 direction, rsv_ray *ray)
 {
@@ -58,8 +59,8 @@ RSV_INLINE bool rsv_receiver_points_lift(
     return v3_dot(direction, horizon) > 0;
 }
 
-/// Aims one ray per lane along (x, y, z) in the lane's frame. Rays that an interpolated normal sends below the surface start
-/// dead, but count: they carry nothing.
+/// Aims one ray per lane along (x, y, z) in the lane's frame. Rays that an interpolated normal sends below the surface
+/// start dead, but count: they carry nothing.
 void rsv_receiver_points_aim(const rsv_receiver_points *points, const float *x, const float *y,
     const float *z, rsv_ray_packet *packet);
 

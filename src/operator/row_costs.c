@@ -1,4 +1,4 @@
-/// What rows of G cost, measured on a few rays of a few of them.
+/// Cost of rows of G, measured with a few rays of a few rows.
 #include "../core/parallel.h"
 #include "../core/team.h"
 #include "../update/update.h"
@@ -21,7 +21,7 @@ static int64_t time_row(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scr
     return (int64_t)(1e9 * (rsv_thread_seconds() - start));
 }
 
-/// A hiccup of the machine would be taken for dear rows: what took much longer than the row before is timed again.
+/// Times rows again that took much longer than the previous one, because the machine may have been busy.
 static void probe_turn(const rsv_row_tracer *tracer, const uint32_t *along, size_t rows,
     size_t first, rsv_row_scratch *scratch, int64_t *nanoseconds)
 {
@@ -39,7 +39,7 @@ static void probe_turn(const rsv_row_tracer *tracer, const uint32_t *along, size
     }
 }
 
-/// What workers share that time rows.
+/// Data shared by the workers that time rows.
 typedef struct cost_job {
     const rsv_row_tracer *tracer;
     const uint32_t *along; ///< [rows]
@@ -106,7 +106,7 @@ rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
     RSV_TRY(rsv_row_tracer_begin(&probe, COST_RAYS));
     RSV_TRY(rsv_division_create(tracer->elements, division));
     size_t rows = list_rows(&probe, *division, along);
-    // what is kept must be found again: no seconds may decide who has a row
+    // stored rows must be found again, so the division must not depend on timings
     if (!keeps_its_own(tracer)) RSV_TRY(measure(&probe, along, rows, nanoseconds));
     rsv_team_sum(context, nanoseconds, stretches);
     for (size_t k = 0; k < rows; k++)

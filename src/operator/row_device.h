@@ -1,5 +1,5 @@
-/// Rows of G whose rays the context's device traces, many rows at a time. What a ray does beyond a first surface that is
-/// not plain - specular paths through mirrors and glass, emission that is gathered - is the processor's part.
+/// Rows of G whose rays the context's device traces, many rows at a time. The CPU does what follows a first hit on a
+/// surface that is not plain: specular paths through mirrors and glass, and gathered emission.
 #ifndef RSV_ROW_DEVICE_H
 #define RSV_ROW_DEVICE_H
 
@@ -8,8 +8,8 @@
 
 typedef struct rsv_row_device rsv_row_device;
 
-/// @param tracer has begun; borrowed @param rows to be traced in all
-/// @param made out; NULL = there is no device for it @return the device's failure, unless it is optional
+/// @param tracer has begun; borrowed @param rows total number of rows
+/// @param made out; NULL = there is no suitable device @return the device's failure, unless it is optional
 rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_row_device **made);
 void rsv_row_device_destroy(rsv_row_device *device);
 
@@ -21,7 +21,7 @@ size_t rsv_row_device_most(const rsv_row_device *device);
 rsv_status rsv_row_device_trace(
     rsv_row_device *device, const uint32_t *node, size_t count, bool *done);
 
-/// What rsv_row_trace finds, for row `index` of those. @param scratch the calling thread's
+/// The results of rsv_row_trace for row `index` of the batch. @param scratch of the calling thread
 void rsv_row_device_finish(const rsv_row_device *device, size_t index, rsv_row_scratch *scratch);
 
 #endif

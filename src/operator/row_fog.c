@@ -1,5 +1,5 @@
-/// Rows where there is fog: each ray has a free flight, and ends in a voxel if that is shorter than its way to a surface. Rows
-/// of voxels are isotropic rays of the same kind.
+/// Rows where there is fog: each ray has a free flight, and ends in a voxel if that is shorter than its way to a
+/// surface. Rows of voxels are isotropic rays of the same kind.
 #include "../core/stratified.h"
 #include "../elements/voxels.h"
 #include "../specular/fog_flight.h"

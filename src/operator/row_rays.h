@@ -21,7 +21,7 @@ typedef struct rsv_ray_target {
     uint8_t kind;
 } rsv_ray_target;
 
-/// The receiver points of one node and what holds for the node as a whole.
+/// The receiver points of one node, and data of the node as a whole.
 typedef struct rsv_row_receiver {
     rsv_receiver_points points;
     rsv_surface_entry entry;
@@ -31,15 +31,15 @@ typedef struct rsv_row_receiver {
     uint32_t index; ///< of the node, or of the one whose random numbers are used
     uint16_t valid; ///< bit k = point k counts
     bool in_air;    ///< a voxel, which takes light from all sides as it is; it has no points
-    bool tints;     ///< even what comes from plain surfaces: through a coat or a medium
+    bool tints;     ///< light from plain surfaces is tinted too, by a coat or medium
 } rsv_row_receiver;
 
-/// Ends of a row's rays that somebody else has traced.
+/// Ends of a row's rays that have been traced elsewhere.
 typedef struct rsv_row_ends {
     const uint32_t
-        *column; ///< [rays] the node where light comes from; RSV_NONE = nowhere, or left to be done
-    const uint32_t *left; ///< [left_count] rays to be followed on, ascending
-    const rsv_hit *hit;   ///< [left_count] what these have met; triangle RSV_NONE = the sky
+        *column; ///< [rays] the node from which light arrives; RSV_NONE = none, or not finished
+    const uint32_t *left; ///< [left_count] rays to follow further, ascending
+    const rsv_hit *hit;   ///< [left_count] hits of these; triangle RSV_NONE = the sky
     size_t left_count;
 } rsv_row_ends;
 

@@ -6,7 +6,7 @@
 #define ALL_LANES ((1u << LANES) - 1)
 #define ROUNDING 1e-5f ///< of distances along rays
 
-/// What stays of sixteen rays.
+/// The reused ones of sixteen rays.
 typedef struct kept_rays {
     uint32_t column[LANES]; ///< RSV_NONE = none
     uint16_t ends;          ///< bit by bit: rays that end where they did
@@ -25,7 +25,7 @@ static float farthest_end(const rsv_vec3 box[2], const rsv_ray_packet *p, int k)
     return reach * (1 + ROUNDING);
 }
 
-/// Rays that meet black backs: what is gone may have hidden those, too.
+/// Rays that hit black backs: removed objects may have hidden some of these.
 static uint16_t keep_blacks(
     const rsv_kept_row *row, const uint8_t *seen, const rsv_ray_packet *packet)
 {
@@ -40,8 +40,8 @@ static uint16_t keep_blacks(
     return blacks;
 }
 
-/// Whether a ray ended in the first surface it met. What paths do in coated ones is the same as long as the coat is, which
-/// is known where the change is.
+/// Whether a ray ended at its first surface. Paths in coated surfaces are the same as long as the coat is, which is
+/// known where the change is.
 static bool ends_at_once(const rsv_kept_row *row, uint8_t seen)
 {
     uint8_t kind = seen & (uint8_t)~RSV_ROW_RAY_ENDS;
@@ -96,7 +96,7 @@ static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_k
     if (row->valid == all && tracer->valid_points[node] == all) return true;
     if (row->index == rsv_elements_draw_of(tracer->elements, node))
         return row->valid == tracer->valid_points[node];
-    uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
+    uint64_t rays = 0; // not counted, because a run without reuse does not trace them
     return row->valid == rsv_judge_points(tracer->scene, tracer->elements, node, row->index,
                              (rsv_support_draw){ RSV_SUPPORT_POINTS, tracer->seed }, &rays);
 }

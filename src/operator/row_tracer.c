@@ -95,7 +95,7 @@ void rsv_row_record_node(
         add_tinted(s, ray, node, rgb_gray(1));
 }
 
-/// @param entered what the light counts for, as it enters the receiver
+/// @param entered weight of the light as it enters the receiver
 static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_specular_path *path, rsv_rgb entered, float random)
 {
@@ -298,8 +298,8 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
     }
 }
 
-/// Shares a row's ends out to its rays, as a colourless coat lets them in: each counts not at all, once, or more often, by
-/// turns, all together as often as there are rays. So rows stay lists of whole rays, half the size of weighed ones.
+/// Shares a row's ends out to its rays, as a colourless coat lets them in: each counts not at all, once, or more often,
+/// by turns, all together as often as there are rays. So rows stay lists of whole rays, half the size of weighed ones.
 static void share_out(const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
 {
     const rsv_directions *d = &tracer->directions;

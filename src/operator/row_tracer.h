@@ -10,7 +10,7 @@
 
 #define RSV_ROW_BLOCK 64 ///< rows that a thread takes at a time
 
-/// What rows have in common; borrowed but for targets and directions.
+/// Data common to all rows; borrowed except for targets and directions.
 typedef struct rsv_row_tracer {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
@@ -21,7 +21,7 @@ typedef struct rsv_row_tracer {
     rsv_directions directions;
 } rsv_row_tracer;
 
-/// Adds targets and directions to what the other fields say.
+/// Computes targets and directions from the other fields.
 /// @param rays per row
 rsv_status rsv_row_tracer_begin(rsv_row_tracer *tracer, uint32_t rays);
 void rsv_row_tracer_end(rsv_row_tracer *tracer);
@@ -36,13 +36,14 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
 void rsv_row_retrace(const rsv_row_tracer *tracer, uint32_t node, const rsv_kept_row *kept,
     rsv_row_scratch *scratch);
 
-/// rsv_row_trace in parts, for those who trace the rays of many rows side by side: where they leave, and what becomes of
-/// their ends. @param receiver that of the row
+/// Parts of rsv_row_trace, for callers that trace the rays of many rows together: the origins of rays, and the
+/// processing of their ends. @param receiver of the row
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *receiver);
 void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver,
     const rsv_row_ends *ends, rsv_row_scratch *scratch);
 
-/// The curve through all nodes with what their rows cost, measured on a few. @param tracer its directions do not matter
+/// The curve through all nodes, with the costs of their rows, measured on a few. @param tracer its directions are not
+/// used
 rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division);
 
 #endif

@@ -30,7 +30,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *scratch
     uint32_t first_ray, const rsv_row_receiver *receiver, const float *cos_receiver,
     const rsv_ray_packet *packet);
 
-/// Notes that a ray ends at a node. @param entered what the light counts for, as it enters the receiver
+/// Records that a ray ends at a node. @param entered weight of the light as it enters the receiver
 void rsv_row_record_node(
     rsv_row_scratch *scratch, uint32_t ray, uint32_t node, rsv_rgb weight, rsv_rgb entered);
 
@@ -38,7 +38,7 @@ void rsv_row_record_node(
 rsv_specular_path rsv_row_begin_path(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver,
     const rsv_ray_packet *packet, uint32_t k);
 
-/// What light that a receiver gathers at that cosine counts for.
+/// Weight of gathered light at that cosine.
 rsv_rgb rsv_row_entering(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver, float cos);
 
 /// The general case: specular surfaces, coats, emission, fog. @param path from rsv_row_begin_path
@@ -48,7 +48,7 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *scratch,
 /// Emission that a row's rays count where they come to it.
 rsv_emission_wanted rsv_row_emission_wanted(const rsv_row_tracer *tracer);
 
-/// Notes what a ray has found, and where it ended. @param entered as in rsv_row_record_node @param random in [0, 1)
+/// Records the light and the end of a ray. @param entered as in rsv_row_record_node @param random in [0, 1)
 void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *scratch, uint32_t ray,
     const rsv_gather *gather, rsv_rgb entered, float random);
 
@@ -57,8 +57,8 @@ void rsv_row_record_gather(const rsv_row_tracer *tracer, rsv_row_scratch *scratc
 /// rsv_row_trace for a node in the air: isotropic rays.
 void rsv_row_trace_voxel(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch);
 
-/// Gives the flights of a row in coloured fog a mean weight of 1 in each channel, which they have on average: so rows sum to no
-/// more than 1.
+/// Gives the flights of a row in coloured fog a mean weight of 1 in each channel, which they have on average: so rows
+/// sum to no more than 1.
 void rsv_row_balance_flights(const rsv_row_tracer *tracer, rsv_row_scratch *scratch);
 
 /// Notes where rays of a traced packet end that cross fog.

@@ -1,5 +1,5 @@
-/// What tracing a row notes of each of its rays beside where they end, so that rays which something moved into, or away from,
-/// can be traced again by themselves: how far they got, which entries are theirs, and where specular paths went.
+/// Additional data of each ray of a row, so that rays affected by a moving object can be traced again individually: how
+/// far they got, which entries are theirs, and the corners of specular paths.
 #ifndef RSV_ROW_TRACK_H
 #define RSV_ROW_TRACK_H
 
@@ -20,13 +20,13 @@ typedef struct rsv_trail_point {
 
 typedef struct rsv_row_track {
     rsv_trail_frame frame;
-    uint16_t *reach;      ///< [rays] metres to what the ray met first, from rsv_reach_of
+    uint16_t *reach;      ///< [rays] metres to the first hit, from rsv_reach_of
     uint16_t *tinted_ray; ///< [rays] of each tinted entry
     uint16_t *bin_ray, *tinted_bin_ray; ///< [rays] of each escape
     uint16_t *light_ray;                ///< [rays] of each emission
-    rsv_rgb *light;                     ///< [rays] likewise, as the row counts it
+    rsv_rgb *light;                     ///< [rays] their light, as the row counts it
     uint32_t light_count;
-    rsv_rgb *color;         ///< [rays] of the lights, each once; scratch of who stores the row
+    rsv_rgb *color;         ///< [rays] of the lights, each once; scratch memory for storing the row
     uint16_t *light_color;  ///< [rays] index of each light's
     rsv_trail_point *trail; ///< [trail_count] in the order of rays and of their paths
     size_t trail_count, trail_capacity;

@@ -26,7 +26,7 @@ typedef struct assembly {
     rsv_row_tracer tracer;
     rsv_row_store *store; ///< NULL = rows are not kept
     rsv_transport *transport;
-    rsv_division *division; ///< until the transport has it
+    rsv_division *division; ///< until the transport owns it
     uint32_t *node;         ///< [row_count] whose rows are traced here, in ascending order
     size_t row_count;
     rsv_row_scratch *scratch; ///< [threads]
@@ -68,7 +68,7 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
     rows->tinted_begin[node + 1] = s->tinted_count;
     t->scale[node] = 1 / (float)rays;
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
-    if (!a->tracer.scene->view->environment) return RSV_OK; // nobody will ask where rays escaped to
+    if (!a->tracer.scene->view->environment) return RSV_OK; // directions of escaped rays are not needed
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 
@@ -221,7 +221,7 @@ cleanup:
     return rsv_team_meet(context, status);
 }
 
-/// What is known of every row in every process.
+/// Shares the data of every row that all processes need.
 static rsv_status share_rows(rsv_transport *t)
 {
     t->rays = rsv_team_total(t->context, t->rays);
@@ -232,7 +232,7 @@ static rsv_status share_rows(rsv_transport *t)
     return rsv_team_meet(t->context, RSV_OK);
 }
 
-/// Room for rows of `rays` entries each; what they do not fill is never touched.
+/// Memory for rows of `rays` entries each. Unused pages are never touched.
 static rsv_status create_empty(const assembly *a, uint32_t rays, rsv_transport **transport)
 {
     rsv_context *context = a->tracer.elements->context;
@@ -316,7 +316,7 @@ static void end_assembly(assembly *a)
     rsv_row_tracer_end(&a->tracer);
 }
 
-/// In a team, this process has a part of the rows; alone, all of them.
+/// In a team, this process has a part of the rows; otherwise all of them.
 static rsv_status divide_rows(assembly *a)
 {
     rsv_team_place place = rsv_team_place_of(a->tracer.elements->context);
@@ -325,7 +325,7 @@ static rsv_status divide_rows(assembly *a)
     return status == RSV_OK ? rsv_division_cut(a->division, place.rank, place.size) : status;
 }
 
-/// Where rows are kept, if the scene asks for that, with those of an earlier version of it.
+/// Opens the store of rows, if one is requested, with rows of an earlier version of the scene.
 static rsv_status open_store(assembly *a)
 {
     const rsv_row_tracer *t = &a->tracer;

@@ -1,4 +1,5 @@
-/// What a tracked row keeps beside its rays: entries with colours, escapes, emission, corners of paths, each with its ray.
+/// Data of a tracked row besides its rays: entries with colours, escapes, emission and corners of paths, each with its
+/// ray.
 #ifndef RSV_TRACKED_ROW_H
 #define RSV_TRACKED_ROW_H
 
@@ -8,7 +9,7 @@
 /// In one piece of memory, which grows.
 typedef struct rsv_row_tail {
     uint32_t tinted_count, bin_count, tinted_bin_count, light_count, color_count, trail_count;
-    uint32_t capacity; ///< bytes of all that follows
+    uint32_t capacity; ///< bytes of the following data
 } rsv_row_tail;
 
 /// Where its arrays lie.
@@ -40,11 +41,11 @@ RSV_INLINE rsv_row_tail_view rsv_row_tail_view_of(const rsv_row_tail *t)
     return v;
 }
 
-/// Stores what tracing noted of a row. @param tail in and out
+/// Stores the tracked data of a row. @param tail in and out
 rsv_status rsv_row_tail_store(
     rsv_context *context, const rsv_row_scratch *scratch, rsv_row_tail **tail);
 
-/// Copies what belongs to rays that are not touched into an empty row. @param touched [rays] bit by bit
+/// Copies the data of rays that are not affected to an empty row. @param touched [rays] one bit per ray
 void rsv_row_tail_keep(const rsv_row_tail *tail, const uint64_t *touched, rsv_row_scratch *scratch);
 
 /// Marks rays whose paths touch a box. @param touched [rays] bit by bit, added to

@@ -17,7 +17,7 @@ typedef struct tracked_rows {
     rsv_row_cones cones;
     rsv_trail_frame frame;
     uint32_t rays;  ///< of a row
-    uint32_t *slot; ///< [row_count] of the row in all that follows; RSV_NONE = it hangs
+    uint32_t *slot; ///< [row_count] index of the row in the following arrays; RSV_NONE = it hangs
     size_t slot_count;
     uint32_t *column;     ///< [slot_count * rays] ends of weight 1, the first `count` of each
     uint16_t *reach;      ///< [slot_count * rays]
@@ -46,7 +46,7 @@ bool rsv_rows_are_tracked(const rsv_transport *transport)
 
 // ---- one row --------------------------------------------------------------------------------------
 
-/// Which rays of a row, and what they are traced with.
+/// The rays of a row to trace again, and their tracer.
 typedef struct patch {
     tracked_rows *t;
     uint32_t node;
@@ -116,7 +116,7 @@ static bool find_touched(patch *p, const rsv_scene_change *change)
     return is_touched(p);
 }
 
-/// Takes over what rays found that are not touched. @return how many are
+/// Reuses the results of rays that are not affected. @return how many there are
 static uint32_t keep_others(const patch *p)
 {
     const tracked_rows *t = p->t;
@@ -326,7 +326,7 @@ cleanup:
 
 // ---- creating them --------------------------------------------------------------------------------
 
-/// Room around the scene for what moves.
+/// The scene's box with a margin for moving objects.
 static rsv_trail_frame frame_around(const rsv_scene_view *view)
 {
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
@@ -421,7 +421,7 @@ cleanup:
     return status;
 }
 
-/// Takes a row over that receives what it did. @param node of now
+/// Reuses a row whose receiver has not changed. @param node its present index
 static void take_row(tracked_rows *t, tracked_rows *then, uint32_t node, const rsv_rows_division *d)
 {
     uint32_t before = d->row_before[node], slot = t->slot[node], other = then->slot[before];

@@ -1,13 +1,12 @@
-/// The propagation operator G on elements: which share of the exitance of each element arrives at each
-/// other one, through any specular path of specular events.
+/// The propagation operator G on elements: the fraction of the exitance of each element that arrives at each other one,
+/// along any specular path.
 ///
-/// Row i holds the ends of its gather rays. Rays are cosine-distributed, so that each counts the same:
-/// an end without colour is a bare element index and carries the weight 1 / (rays of the row); ends of
-/// specular paths that met coloured glass or metal carry an RGB factor besides. Without coats
-/// and tints row sums are at most 1 because a ray ends once: energy conservation by construction. With them
-/// it holds on average over the rays, and a row can exceed 1 by its sampling noise. Rows of receivers in
-/// another medium than their ends carry (index of the start / index of the end)^2 besides, which is above 1
-/// for some: what is conserved is L / n^2.
+/// Row i contains the ends of its gather rays. Rays are cosine-distributed, so all have the same weight. An end without
+/// colour is only an element index, with the weight 1 / (rays of the row). Ends of specular paths through coloured
+/// glass or metal also have an RGB factor. Without coats and tints, row sums are at most 1, because a ray ends once:
+/// energy is conserved by construction. With them, this holds on average over the rays, and a row can exceed 1 by its
+/// sampling noise. Rows of receivers in another medium than their ends also have the factor (index of the start / index
+/// of the end)^2, which can be above 1: the conserved quantity is L / n^2.
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 
@@ -19,7 +18,7 @@
 
 typedef struct rsv_transport rsv_transport;
 
-/// The entries of one row, borrowed from what keeps it.
+/// The entries of one row, borrowed from its storage.
 typedef struct rsv_transport_row {
     const uint32_t *column;        ///< [count] ends of weight 1
     const uint32_t *tinted_column; ///< [tinted_count]
@@ -27,12 +26,12 @@ typedef struct rsv_transport_row {
     size_t count, tinted_count;
 } rsv_transport_row;
 
-/// How rows are kept: as they were traced (rows_stored.c), or in any other way that offers these. Products leave rows of other
-/// processes alone.
+/// Storage of rows: as traced (rows_stored.c), or any other that offers these functions. Products ignore rows of other
+/// processes.
 typedef struct rsv_transport_table {
-    /// Frees all but what rsv_transport lists.
+    /// Frees everything except the fields of rsv_transport.
     void (*destroy)(rsv_transport *transport);
-    /// What is borrowed is valid until the next call by the same thread.
+    /// Borrowed data is valid until the next call by the same thread.
     rsv_transport_row (*row)(const rsv_transport *transport, size_t row);
     /// As rsv_transport_gather and rsv_transport_residual; rsv_gather_by_rows and rsv_residual_by_rows will do.
     void (*gather)(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
@@ -45,7 +44,7 @@ typedef struct rsv_transport_table {
     size_t (*bytes)(const rsv_transport *transport);   ///< that they take
 } rsv_transport_table;
 
-/// What is known of rows, however they are kept.
+/// Data of rows that does not depend on their storage.
 struct rsv_transport {
     const rsv_transport_table *table;
     rsv_context *context;
@@ -57,7 +56,8 @@ struct rsv_transport {
     uint64_t kept_rays;    ///< of these, known from an earlier version of the scene
     size_t kept_rows;      ///< rows of which none was traced
     double spared_seconds; ///< by that, about
-    /// Of the rows among processes: rows of others are empty here but for `scale` and `gathered`. NULL = all are here
+    /// Division of the rows among processes: other processes' rows are empty here, except `scale` and `gathered`. NULL
+    /// = all rows are here
     rsv_division *division;
 };
 
@@ -67,10 +67,10 @@ RSV_INLINE rsv_transport_row rsv_transport_row_at(const rsv_transport *transport
     return transport->table->row(transport, row);
 }
 
-/// What rows are traced of; borrowed.
+/// Input for tracing rows; borrowed.
 typedef struct rsv_transport_desc {
-    const rsv_transport_scene *scene; ///< with what is known from before (update)
-    const rsv_lights *lights;         ///< tell which emitters rows gather
+    const rsv_transport_scene *scene; ///< with data from an earlier version (update)
+    const rsv_lights *lights;         ///< select the emitters that rows gather
     const rsv_elements *elements;
     const uint16_t *
         valid_points; ///< [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points and the seed
@@ -82,13 +82,13 @@ typedef struct rsv_transport_desc {
 /// come out whole in all of them all the same.
 rsv_status rsv_transport_create(const rsv_transport_desc *desc, rsv_transport **transport);
 
-/// What rays cost in the ray tracer alone.
+/// Cost of rays in the ray tracer alone.
 typedef struct rsv_ray_cost {
     uint64_t rays;
     double packet_seconds, single_seconds; ///< in packets and one by one, divided by the threads
 } rsv_ray_cost;
 
-/// Traces the first-hit rays of all rows and does nothing with them: what rsv_transport_create could cost at best.
+/// Traces the first-hit rays of all rows without using the results: the minimum cost of rsv_transport_create.
 rsv_status rsv_transport_trace_only(const rsv_transport_desc *desc, rsv_ray_cost *cost);
 
 void rsv_transport_destroy(rsv_transport *transport);
@@ -97,9 +97,9 @@ void rsv_transport_destroy(rsv_transport *transport);
 void rsv_transport_apply(
     const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
 
-/// Irradiance from surroundings with the given radiance in each bin (rsv_escape_radiance): the environment's share of
-/// E0 but for what is sampled.
-/// @param irradiance [row_count]; rows of hanging and buried nodes come out 0
+/// Irradiance from an environment with the given radiance in each bin (rsv_escape_radiance): the environment's part of
+/// E0, without the sampled part.
+/// @param irradiance [row_count]; 0 for hanging and buried nodes
 void rsv_transport_environment(
     const rsv_transport *transport, const rsv_rgb *bin_radiance, rsv_rgb *irradiance);
 
@@ -109,7 +109,7 @@ void rsv_transport_environment(
 void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
     const rsv_rgb *bin_radiance, float *deviation);
 
-/// Brings the rows of all processes to all of them, for what needs columns or the rows in turn.
+/// Gives all processes the rows of all others, for algorithms that need columns or rows in turn.
 rsv_status rsv_transport_complete(rsv_transport *transport);
 
 /// Of the rows that are here.

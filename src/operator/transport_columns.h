@@ -18,14 +18,14 @@ rsv_status rsv_transport_columns_create(
     const rsv_transport *transport, rsv_transport_columns **columns);
 void rsv_transport_columns_destroy(rsv_transport_columns *columns);
 
-/// exitance = G* irradiance, both [row_count x fields]: how much each element's exitance matters where irradiance has the
-/// weights `irradiance`. A field does not depend on how many there are.
+/// exitance = G* irradiance, both [row_count x fields]: how much each element's exitance matters where irradiance has
+/// the weights `irradiance`. A field does not depend on how many there are.
 /// @param scratch [row_count x fields]
 void rsv_transport_apply_transpose(const rsv_transport_columns *columns, size_t fields,
     const rsv_rgb *irradiance, rsv_rgb *scratch, rsv_rgb *exitance);
 
-/// irradiance += G times `exitance` at one node: its light on all that it shines on.
-/// @param stride of `irradiance`, in RGB values @return entries read
+/// irradiance += G times `exitance` at one node: its light on all elements.
+/// @param stride of `irradiance`, in RGB values @return number of entries read
 size_t rsv_transport_shoot(const rsv_transport_columns *columns, size_t node, rsv_rgb exitance,
     size_t stride, rsv_rgb *irradiance);
 

@@ -1,4 +1,4 @@
-/// Rows as lists, for files and devices: they keep what is listed without knowing what it is.
+/// Rows as lists, for files and devices, which store them without knowing their meaning.
 #ifndef RSV_TRANSPORT_LISTS_H
 #define RSV_TRANSPORT_LISTS_H
 
@@ -14,20 +14,20 @@ typedef struct rsv_transport_list {
     size_t bound;     ///< columns and bins are below
 } rsv_transport_list;
 
-/// Columns of weight 1 and tinted ones, then bins likewise.
+/// Columns of weight 1, tinted columns, and the same two of bins.
 enum { RSV_TRANSPORT_LISTS = 4 };
 
 /// The lists of rows that are kept as they were traced. @return false = these are not
 bool rsv_transport_list_rows(
     rsv_transport *transport, rsv_transport_list list[RSV_TRANSPORT_LISTS]);
 
-/// Rows to be filled through their lists, `scale` and `gathered`, all of which are NULL; then rsv_transport_filled.
+/// Rows to fill through their lists, `scale` and `gathered`, which are NULL. Then call rsv_transport_filled.
 rsv_status rsv_transport_create_empty(
     rsv_context *context, size_t row_count, rsv_transport **transport);
 void rsv_transport_filled(rsv_transport *transport);
 
-/// Where the rows of a list begin when those of all processes are there.
-/// @param whole out: [row_count + 1], to be freed
+/// Starts of the rows of a list when those of all processes are included.
+/// @param whole out: [row_count + 1], freed by the caller
 rsv_status rsv_transport_whole_begin(
     const rsv_transport *transport, const size_t *begin, size_t **whole);
 

@@ -8,8 +8,8 @@
 void rsv_transport_gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance);
 
-/// Reads what an application reads and does nothing else: per row the sum of a field at its ends. What an application
-/// could cost at best.
+/// Only reads what an application of G reads: per row, the sum of a field at its ends. The minimum cost of an
+/// application.
 void rsv_transport_gather_only(const rsv_transport *transport, const rsv_rgb *field, rsv_rgb *sum);
 
 /// residual = source + G exitance - irradiance, with sums in double.
@@ -40,7 +40,7 @@ typedef struct rsv_row_product {
     rsv_rgb *irradiance;
 } rsv_row_product;
 
-/// What tables of rows may use: row by row, one process's.
+/// Functions for tables of rows: row by row, for the rows of one process.
 void rsv_gather_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance);
 void rsv_residual_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,

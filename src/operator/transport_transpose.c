@@ -67,7 +67,7 @@ cleanup:
     rsv_free(context, next);
     rsv_free(context, next_tinted);
     if (status != RSV_OK && c) {
-        c->transport = t; // knows the context
+        c->transport = t; // has the context
         rsv_transport_columns_destroy(c);
     }
     return status;
@@ -125,7 +125,7 @@ typedef struct transpose_job {
     const rsv_transport_columns *columns;
     size_t fields;
     const rsv_rgb *irradiance;
-    rsv_rgb *scaled, *exitance; ///< scaled: irradiance, times what each row weighs
+    rsv_rgb *scaled, *exitance; ///< scaled: irradiance, times the weight of each row
 } transpose_job;
 
 static void scale_rows(void *data, rsv_span span)

@@ -43,7 +43,7 @@ rsv_status rsv_read_document(rsv_tensor_file *file, rsv_scene *scene)
     rsv_tensor_prefix(file, "document.");
     if (!rsv_tensor_find(file, "glb")) return RSV_OK;
     rsv_status status = exchange(file, &d);
-    scene->triangle_source = d.triangle; // the scene frees them, whatever comes next
+    scene->triangle_source = d.triangle; // the scene frees them, also after errors
     scene->object_instance = d.instance;
     return status == RSV_OK ? rsv_scene_set_document(scene, file->path, d.bytes, d.count) : status;
 }

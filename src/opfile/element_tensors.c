@@ -1,4 +1,4 @@
-/// Elements: what cannot be found in the scene again, and for other readers where each element is.
+/// Elements: data that cannot be found in the scene again and, for other readers, the positions of elements.
 #include "../elements/element_restore.h"
 #include "../elements/voxels.h"
 #include "exchange.h"
@@ -114,7 +114,7 @@ static void place_node(const rsv_scene_view *scene, const rsv_elements *e, size_
     *triangle = RSV_NONE;
 }
 
-/// Places, normals and triangles, for those who read files without us.
+/// Positions, normals and triangles, for other readers of files.
 static rsv_status write_places(
     rsv_tensor_file *file, const rsv_scene_view *scene, const rsv_elements *e)
 {

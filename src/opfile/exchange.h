@@ -7,7 +7,7 @@
 
 rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene);
 rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene);
-/// Notes what was taken out of the coordinates of a scene far from its origin; of others nothing.
+/// Writes the origin of a scene far from its origin; nothing for others.
 rsv_status rsv_write_origin(rsv_tensor_file *file, const rsv_scene_view *scene);
 
 /// The document that the scene keeps (scene/document.h). Scenes and files may have none.
@@ -43,12 +43,12 @@ rsv_status rsv_write_names(
 rsv_status rsv_read_names(
     rsv_tensor_file *file, const char *note, size_t count, const char **names, cJSON **list);
 
-/// One set of elements, under the prefix.
+/// Writes one set of elements.
 /// @param prefix of the tensors, such as "element."
-/// @param scene as a light has it
+/// @param scene of the light
 rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
     const rsv_scene_view *scene, const rsv_elements *elements);
-/// @param alike elements of the same scene; NULL = these are the first
+/// @param alike elements of the same scene; NULL = there are none yet
 rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rsv_world *world,
     const rsv_elements *alike, rsv_elements **elements);
 
@@ -60,7 +60,8 @@ rsv_status rsv_exchange_needed(const rsv_tensor_file *file, const char *name, co
 
 /// Elements of the air, which follow those of surfaces.
 rsv_status rsv_write_voxels(rsv_tensor_file *file, const rsv_elements *elements);
-/// @param elements read before; those of the air are added @return RSV_ERROR_FORMAT too if they are not as many as were kept
+/// @param elements read before; those of the air are added @return RSV_ERROR_FORMAT too if they are not as many as were
+/// kept
 rsv_status rsv_read_voxels(rsv_tensor_file *file, rsv_elements *elements);
 
 /// Operator and light: elements, G, K, E0 and E. @param gathered_scale of the emission that rows found

@@ -7,8 +7,8 @@
 
 rsv_status rsv_write_luminaires(rsv_tensor_file *file, const rsv_scene_view *view);
 
-/// @param light [lights] in which the luminaire of each is filled in
-/// @param luminaire out: [count], each to be freed by rsv_luminaire_free and all by rsv_free, even after an error
+/// @param light [lights] whose luminaires are filled in
+/// @param luminaire out: [count]; free each with rsv_luminaire_free and the array with rsv_free, even after an error
 rsv_status rsv_read_luminaires(rsv_tensor_file *file, rsv_punctual_light *light, size_t lights,
     rsv_luminaire **luminaire, size_t *count);
 

@@ -1,4 +1,4 @@
-/// A solution as a file that stands alone.
+/// A solution as a self-contained file.
 #include "resolvent/opfile.h"
 
 #include "../core/team.h"
@@ -47,13 +47,22 @@ cleanup:
     return status;
 }
 
+/// Sizes and starts of rows are written as they lie in memory.
+static rsv_status check_word(void)
+{
+    return sizeof(size_t) == sizeof(uint64_t)
+               ? RSV_OK
+               : rsv_fail(RSV_ERROR_UNSUPPORTED, "operator files need a 64-bit program");
+}
+
 rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene_name,
     const rsv_file_receivers *receivers, const char *path)
 {
     rsv_tensor_file file;
     rsv_light_basis *own = NULL;
     const rsv_light_view *s = rsv_light_get_view(solution);
-    rsv_status status = rsv_tensor_file_begin(s->context, path, &file);
+    rsv_status status = check_word();
+    if (status == RSV_OK) status = rsv_tensor_file_begin(s->context, path, &file);
     if (status != RSV_OK) return status;
     const rsv_light_basis *basis = s->basis;
     if (!rsv_light_basis_is_known(basis)) {
@@ -135,7 +144,7 @@ static rsv_status check_provenance(const rsv_tensor_file *file)
                                         : "solve the scene again");
 }
 
-/// Messages of other rooms do not know of the file.
+/// Adds the name of the file to messages of other rooms.
 static rsv_status name_file(const char *path, rsv_status status)
 {
     char message[768];
@@ -153,6 +162,7 @@ static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_light 
 {
     rsv_status status;
     rsv_world *world = NULL;
+    RSV_TRY(check_word());
     RSV_TRY(check_provenance(file));
     RSV_TRY(rsv_tensor_file_verify(file));
     snprintf(digits, RSV_SHA256_DIGITS + 1, "%s", rsv_note_get(file, RSV_CHECKSUM_NOTE));
@@ -224,7 +234,7 @@ bool rsv_is_operator_file(const char *path)
 {
     uint8_t start[9];
     struct stat info;
-    // a pipe would keep us waiting for whoever writes to it
+    // opening a pipe would wait for its writer
     if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return false;
     FILE *file = fopen(path, "rb");
     bool read = file && fread(start, 1, sizeof start, file) == sizeof start;

@@ -14,7 +14,7 @@ static bool holds(const struct dl_phdr_info *object, uintptr_t address)
     return false;
 }
 
-/// Between constants lies what the address sanitizer lets nobody read.
+/// The address sanitizer forbids reading the gaps between constants.
 __attribute__((no_sanitize_address)) static void copy(
     uint8_t *to, const volatile uint8_t *from, size_t bytes)
 {
@@ -32,7 +32,7 @@ static void add_segment(rsv_sha256 *hash, const uint8_t *begin, size_t bytes)
     }
 }
 
-/// Segments that nobody writes to are in memory as they are in the file.
+/// Read-only segments are the same in memory and in the file.
 static int add_object(struct dl_phdr_info *object, size_t bytes, void *user)
 {
     (void)bytes;

@@ -1,4 +1,4 @@
-/// The scene: what a committed one holds, array by array.
+/// The contents of a committed scene, array by array.
 #include "../scene/material_fields.h"
 #include "../scene/punctual.h"
 #include "../scene/restore.h"
@@ -135,7 +135,8 @@ rsv_status rsv_write_origin(rsv_tensor_file *file, const rsv_scene_view *view)
     return rsv_write_fields(file, "scene.origin", origin_fields, COUNT_OF(origin_fields), view);
 }
 
-/// Names of nodes; none where each is that of what the node placed. @param own [count], `stride` bytes apart
+/// Names of nodes; omitted if all are equal to the names of what the nodes placed. @param own [count], `stride` bytes
+/// apart
 static rsv_status write_nodes(rsv_tensor_file *file, const char *note, const char *const *node,
     const void *own, size_t stride, size_t count)
 {
@@ -155,7 +156,7 @@ static rsv_status write_nodes(rsv_tensor_file *file, const char *note, const cha
 #define WRITE_NODES(file, note, nodes, rows, count)                                                \
     write_nodes(file, note, nodes, (rows) ? &(rows)->name : NULL, sizeof *(rows), count)
 
-/// @param node out: [count], to be freed; "" = none
+/// @param node out: [count], freed by the caller; "" = none
 static rsv_status read_nodes(
     rsv_tensor_file *file, const char *note, size_t count, const char ***node, cJSON **list)
 {
@@ -296,7 +297,7 @@ enum {
     LISTS
 };
 
-/// What has been read so far; the scene copies it.
+/// The parts read so far; the scene copies them.
 typedef struct scene_reader {
     rsv_tensor_file *file;
     rsv_scene_parts parts;

@@ -55,7 +55,7 @@ static const rsv_field report_fields[] = {
 
 _Static_assert(sizeof(rsv_solver) == 4 && sizeof(rsv_stop_reason) == 4, "enumerations are U32");
 
-/// What a file holds of operator and light: owned while it is read, borrowed while it is written.
+/// Operator and light of a file: owned while reading, borrowed while writing.
 typedef struct parts {
     rsv_elements *elements;
     rsv_transport *transport;
@@ -68,7 +68,7 @@ typedef struct parts {
     rsv_solve_report report;
 } parts;
 
-// ---- what both directions share -------------------------------------------------------------------
+// ---- reading and writing -------------------------------------------------------------------------
 
 rsv_status rsv_exchange_rgb(
     rsv_tensor_file *file, const char *name, rsv_rgb **field, size_t count, float least)
@@ -132,7 +132,7 @@ cleanup:
     return status;
 }
 
-/// Emission that rows gathered; written as strong as it is now. @param scale factor of what it was
+/// Emission that rows gathered; written at its present strength. @param scale factor of the stored strength
 static rsv_status exchange_gathered(rsv_tensor_file *file, rsv_transport *t, rsv_rgb scale)
 {
     rsv_status status;
@@ -242,7 +242,7 @@ cleanup:
     return status;
 }
 
-/// What the solution was made for: places and normals.
+/// Goal points of the solution: positions and normals.
 static rsv_status exchange_goal_points(rsv_tensor_file *file, parts *p)
 {
     _Static_assert(sizeof(rsv_probe) == 6 * sizeof(float), "a probe is six numbers");
@@ -414,7 +414,7 @@ cleanup:
     return status;
 }
 
-/// What was not handed on.
+/// Frees parts that were not passed on.
 static void free_parts(rsv_context *context, parts *p)
 {
     rsv_elements_destroy(p->elements);
@@ -426,7 +426,7 @@ static void free_parts(rsv_context *context, parts *p)
     rsv_free(context, p->goal_points);
 }
 
-/// Hands on what an operator is made of.
+/// Creates an operator from its parts.
 static rsv_status restore_operator(rsv_world *world, parts *p, rsv_operator **op)
 {
     const rsv_operator_view view = { .context = world->context,

@@ -21,7 +21,7 @@ typedef struct rsv_column {
 /// @param stride bytes of a struct
 rsv_status rsv_write_table(rsv_tensor_file *file, const rsv_column *column, size_t column_count,
     const void *rows, size_t row_count, size_t stride);
-/// @param rows out: allocated, zero but for the columns @param row_count as in rsv_tensor_exchange
+/// @param rows out: allocated, zero except for the columns @param row_count as in rsv_tensor_exchange
 rsv_status rsv_read_table(rsv_tensor_file *file, const rsv_column *column, size_t column_count,
     void *rows, size_t *row_count, size_t stride);
 

@@ -1,4 +1,4 @@
-/// What writing and reading have in common: the exchange of arrays, and checks.
+/// Shared by writing and reading: the exchange of arrays, and checks.
 #include "tensor_file.h"
 
 #include <math.h>
@@ -15,8 +15,6 @@ static const struct {
     [RSV_TENSOR_U32] = { "U32", 4 },
     [RSV_TENSOR_U64] = { "U64", 8 },
     [RSV_TENSOR_F32] = { "F32", 4 } };
-
-_Static_assert(sizeof(size_t) == 8, "row starts are written as they lie in memory");
 
 size_t rsv_tensor_type_bytes(rsv_tensor_type type) { return types[type].bytes; }
 const char *rsv_tensor_type_name(rsv_tensor_type type) { return types[type].name; }
@@ -112,7 +110,7 @@ void rsv_tensor_divide(
     tensor->whole_begin = whole;
 }
 
-/// @param count RSV_ANY_COUNT, or how many rows there have to be
+/// @param count required number of rows, or RSV_ANY_COUNT
 static rsv_status check_shape(const rsv_tensor_file *file, const rsv_tensor *tensor,
     const char *name, rsv_tensor_type type, size_t width, size_t count)
 {

@@ -1,9 +1,10 @@
-/// Named arrays and notes in one file, in the safetensors layout: eight bytes that say how long the header is
+/// Named arrays and notes in one file, in the safetensors layout: eight bytes with the length of the header
 /// (little-endian), the header as JSON, and the arrays one after the other.
 ///
-/// An *exchange* goes through the arrays of some object, for writing or for reading alike: each is named once, and what
-/// is written is what is read. Files being read are hostile: header, sizes and checksum are checked on opening, the shape
-/// of each array on taking it. What the numbers mean is for the caller to check, with the functions at the end.
+/// An *exchange* goes through the arrays of an object, for writing or for reading. Each array is named once, so that
+/// reading matches writing. Files being read are hostile: header, sizes and checksum are checked when the file is
+/// opened, the shape of each array when it is taken. The caller checks the meaning of the numbers, with the functions
+/// at the end.
 #ifndef RSV_TENSOR_FILE_H
 #define RSV_TENSOR_FILE_H
 
@@ -27,9 +28,9 @@ typedef struct rsv_tensor {
     uint32_t rank;
     size_t shape[RSV_TENSOR_RANK];
     const void *data; ///< borrowed, or of the mapped file
-    void *owned;      ///< the same, to be freed with the file; NULL = borrowed
-    /// In a team, of rows of numbers of which `data` holds this process's alone: where they begin there and in the
-    /// whole, [row_count + 1]; the process that has a row writes it. NULL = all have all
+    void *owned;      ///< the same, freed with the file; NULL = borrowed
+    /// In a team, for rows of which `data` has only this process's part: where they begin there and in the whole,
+    /// [row_count + 1]; the process that has a row writes it. NULL = all processes have all rows
     const size_t *own_begin, *whole_begin;
     size_t row_count;
 } rsv_tensor;
@@ -55,8 +56,8 @@ size_t rsv_tensor_length(const rsv_tensor *tensor);
 
 rsv_status rsv_tensor_file_begin(
     rsv_context *context, const char *path, rsv_tensor_file *file); ///< for writing
-/// Writes all that was exchanged. The file appears complete or not at all. The processes of a team write one file
-/// together, which is the same as that of one process.
+/// Writes everything that was exchanged. The file appears complete or not at all. The processes of a team write one
+/// file together, which is the same as that of one process.
 rsv_status rsv_tensor_file_write(rsv_tensor_file *file);
 
 /// Maps a file and checks its header; nothing else of it is read.
@@ -64,7 +65,7 @@ rsv_status rsv_tensor_file_open(rsv_context *context, const char *path, rsv_tens
 /// Compares the checksum with the file's content.
 rsv_status rsv_tensor_file_verify(const rsv_tensor_file *file);
 
-/// SHA-256 of what was exchanged for writing: arrays with their names, and notes.
+/// SHA-256 of everything exchanged for writing: arrays with their names, and notes.
 /// @param digits [RSV_SHA256_DIGITS + 1]
 void rsv_tensor_file_digest(const rsv_tensor_file *file, char *digits);
 
@@ -75,28 +76,28 @@ void rsv_tensor_file_end(rsv_tensor_file *file);
 
 // ---- exchange -------------------------------------------------------------------------------------
 
-/// Sets what precedes the names to come. NULL = nothing.
+/// Sets a prefix for the following names. NULL = none.
 void rsv_tensor_prefix(rsv_tensor_file *file, const char *prefix);
 
 #define RSV_ANY_COUNT SIZE_MAX
 
-/// An array of `*count` rows of `width` numbers each (1: shape [count], else [count, width]).
-/// @param array address of the pointer: written, it is borrowed until the end of the file; read, it is allocated
-/// @param count read: what it must be, or RSV_ANY_COUNT, which becomes what it is
+/// An array of `*count` rows of `width` numbers each (1: shape [count], otherwise [count, width]).
+/// @param array address of the pointer. Writing: borrowed until the end of the file. Reading: allocated
+/// @param count reading: the required count, or RSV_ANY_COUNT, which is replaced by the count found
 rsv_status rsv_tensor_exchange(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
     size_t width, void *array, size_t *count);
 /// The same for one that may be missing: NULL.
 rsv_status rsv_tensor_exchange_optional(rsv_tensor_file *file, const char *name,
     rsv_tensor_type type, size_t width, void *array, size_t *count);
 
-/// Writes an array that is for readers other than us, or not what memory holds. `data` is taken over and freed with the
-/// file, even on failure.
+/// Writes an array that is only for other readers, or does not exist in memory. `data` is owned by the file, even on
+/// failure.
 rsv_status rsv_tensor_give(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
     size_t width, size_t count, void *data);
 /// Adds an array of any shape. @param data borrowed
 rsv_status rsv_tensor_add(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
     uint32_t rank, const size_t *shape, const void *data);
-/// Says that the array just exchanged holds the rows of this process alone. @param own, whole borrowed
+/// Declares that the last exchanged array has only the rows of this process. @param own, whole borrowed
 void rsv_tensor_divide(
     rsv_tensor_file *file, size_t row_count, const size_t *own, const size_t *whole);
 /// NULL if there is none of that name (the prefix is put before it).
@@ -106,7 +107,7 @@ rsv_status rsv_note_set(rsv_tensor_file *file, const char *name, const char *tex
 /// NULL if there is no such note.
 const char *rsv_note_get(const rsv_tensor_file *file, const char *name);
 
-// ---- checks of what was read ----------------------------------------------------------------------
+// ---- checks of data that was read ----------------------------------------------------------------
 
 /// Whether all indices are below a bound.
 rsv_status rsv_check_indices(const rsv_tensor_file *file, const char *name, const uint32_t *index,

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define LENGTH_BYTES 8
-/// Headers are a few kilobytes; parsing more than this only helps who wants to exhaust memory.
+/// Headers are a few kilobytes. Parsing larger ones would only help to exhaust memory.
 #define LARGEST_HEADER ((uint64_t)1 << 26)
 
 static rsv_status map_file(rsv_tensor_file *file)
@@ -39,7 +39,7 @@ cleanup:
     return status;
 }
 
-/// Whole number of a JSON item; false if it is none, or beyond what a double counts exactly.
+/// Whole number of a JSON item; false if it is not one, or too large for a double to be exact.
 static bool read_count(const cJSON *item, uint64_t *count)
 {
     if (!cJSON_IsNumber(item)) return false;

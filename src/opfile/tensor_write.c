@@ -154,7 +154,7 @@ static void write_rows(const rsv_tensor *t, uint64_t offset, rsv_atomic_file *ou
     if (t->own_begin[t->row_count] == 0) return; // of none of these rows there is anything here
     for (size_t row = 0; row < t->row_count;) {
         size_t first = row, from = t->own_begin[row];
-        // a row that is not here ends the piece, unless nobody has anything of it
+        // a row of another process ends the piece, unless it is empty
         while (row < t->row_count && t->own_begin[row + 1] - t->own_begin[row] ==
                                          t->whole_begin[row + 1] - t->whole_begin[row])
             row++;
@@ -185,7 +185,7 @@ static void write_part(const layout *l, rsv_team_place place, rsv_atomic_file *o
     }
 }
 
-/// The checksum goes over all of the file: the first process reads what the others wrote.
+/// The checksum covers the whole file: the first process reads what the others wrote.
 static rsv_status add_checksum(const layout *l, rsv_atomic_file *out)
 {
     rsv_status status = RSV_OK;

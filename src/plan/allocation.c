@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/// What the eight neighbours of a pixel, those in the square of five, and all pixels count in its error. The last two are for
-/// sparks, which few neighbours have.
+/// Weights, in a pixel's error, of its eight neighbours, of those in the 5x5 square, and of all pixels. The last two
+/// are for sparks, which few neighbours have.
 #define NEAR_SHARE 0.6f
 #define AROUND_SHARE 0.3f
 #define ALL_SHARE 0.1f
@@ -83,8 +83,8 @@ static double extra_of(const allocator *a, size_t pixel, double scale)
     return fmax(floor(wanted - taken(a, pixel) + 0.5), 0);
 }
 
-/// Mean of the further rays, and the noise that is left with them. A pixel's own error does not decide on its samples, so what
-/// it is expected to fall to is unbiased; by the neighbours, edges seem to get more samples than they do.
+/// Mean number of further rays, and the noise left with them. A pixel's own error does not affect its samples, so its
+/// expected decrease is unbiased. Judged by the neighbours, edges would seem to get more samples than they do.
 static void look(const allocator *a, double scale, rsv_allocation *found)
 {
     size_t pixels = (size_t)a->width * a->height;

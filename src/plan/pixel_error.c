@@ -5,8 +5,8 @@
 /// Pixels on either side over which brightness is averaged, and the part of the picture's that counts as the least.
 #define NEIGHBOURHOOD 2
 #define FLOOR 0.01
-/// What averages over squares of the edge w leave of such errors falls about as w^-p: p = 0 where they are even, 1 along
-/// lines, 2 in points. As long as a look does not tell, this p is the usual one (two-rooms 0.5, modern hall 0.1).
+/// After averaging over squares of side w, such errors decrease about as w^-p: p = 0 if they are uniform, 1 along
+/// lines, 2 at points. Until an estimate determines it, p has this usual value (two-rooms 0.5, modern hall 0.1).
 #define USUAL_DECAY 0.3
 #define MOST_DECAY 2.0
 
@@ -77,7 +77,7 @@ static sum3 local_difference(const four_pictures *p, int pair, int x, int y)
     return sum;
 }
 
-/// Mean over the channels, each relative to what is around in that channel, as rsv_image_judge has it.
+/// Mean over the channels, each relative to its surroundings, as in rsv_image_judge.
 static double error_at(const four_pictures *p, int x, int y)
 {
     sum3 first = local_difference(p, 0, x, y), second = local_difference(p, 1, x, y);
@@ -90,8 +90,8 @@ static double error_at(const four_pictures *p, int x, int y)
     return fmax(fmin(error, p->desc.most), -p->desc.most);
 }
 
-/// By how much the standard error of a mean over all pixels grows as squares of this edge overlap: products of two means
-/// correlate by the square of what their squares share.
+/// Factor of the standard error of a mean over all pixels, due to overlapping squares of this side: products of two
+/// means correlate by the square of their overlap.
 static double overlap(double edge) { return (2 * edge * edge + 1) / (3 * edge); }
 
 static four_pictures begin(

@@ -6,16 +6,17 @@
 
 typedef struct rsv_pixel_error_desc {
     double most; ///< that a pixel counts, either way
-    /// Pixels on either side over which differences are averaged first: what is finer is left out. 0 = none
+    /// Pixels on either side over which differences are averaged first; finer detail is lost. 0 = none
     uint32_t around;
     bool
-        by_a; ///< relative to what a alone shows: b is noisy, and dark where it has missed something
+        by_a; ///< relative to a alone: b is noisy, and dark where it has missed something
 } rsv_pixel_error_desc;
 
-/// Mean over pixels and channels of (a0 - b0) (a1 - b1), relative to the square of what is around in that channel, as
-/// rsv_image_judgement.relative_mse is. Noise that the differences do not share cancels. Where it is skewed, a limit per pixel cuts off the products that
-/// would cancel the others: average enough pixels to have some of what is rare in each.
-/// @param uncertainty out: standard error, noise of pixels taken for independent
+/// Mean over pixels and channels of (a0 - b0) (a1 - b1), relative to the square of the surroundings in that channel,
+/// like rsv_image_judgement.relative_mse. Independent noise of the differences cancels. If it is skewed, a limit per
+/// pixel cuts off the products that would cancel the others: average over enough pixels to include some rare events in
+/// each.
+/// @param uncertainty out: standard error, assuming independent pixels
 double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
     rsv_pixel_error_desc desc, double *uncertainty);
 

@@ -1,4 +1,4 @@
-/// Plans by error. Everything follows from the picture's size, the wanted error and what pilots show: no clock is read, so a
+/// Plans by error. Everything follows from the picture's size, the target error and the pilots. No clock is read, so a
 /// plan is the same on every machine.
 #include "../core/descriptor.h"
 #include "../scene/scene.h"
@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdio.h>
 
-/// The settings of quality `draft` serve a picture of so many pixels and relative MSE. Smaller pictures show less of what
-/// elements miss; what these err falls with their number, what their rays err with the rays.
+/// The settings of quality `draft` suit a picture with this many pixels and this relative MSE. Smaller pictures show
+/// less of the elements' error, which decreases with their number; the error of their rays decreases with the rays.
 #define USUAL_ELEMENTS 3000
 #define USUAL_PIXELS 32400.0
 #define USUAL_ERROR 0.005
@@ -18,48 +18,50 @@
 #define MOST_ELEMENTS 1e6
 #define LEAST_RAYS 64
 #define MOST_RAYS 1024
-/// Noise of rows lies in blotches, which the eye sees before grain of the same size. Rows that have fewer rays than this for
-/// each pixel cost less than the picture: they get more of them.
+/// Noise of rows lies in blotches, which the eye sees before grain of the same size. Rows that have fewer rays than
+/// this for each pixel cost less than the picture: they get more of them.
 #define ROW_RAYS_PER_PIXEL 20.0
-/// Light paths for caustics, and the part of the usual elements where surfaces meet, that serve this error too. The noise of
-/// caustics falls with the paths; what contacts err, which lie along lines, with the root of their elements.
+/// Light paths for caustics, and fraction of the usual elements at contacts, that suit this error. The noise of
+/// caustics decreases with the paths. The error at contacts, which are along lines, decreases with the root of their
+/// elements.
 #define USUAL_PHOTONS 250000
 #define USUAL_CONTACTS 0.6
 #define LEAST_PHOTONS 40000.0
 #define MOST_PHOTONS 6e6
-/// Below this, light that bends is worth pilots, and what the camera does not see worth finding out.
+/// Below this error, pilots for curved light and a search for what the camera does not see are worthwhile.
 #define DEMANDING 0.002
 #define REFINEMENTS 3
-/// Part of the wanted error that elements may use up; the noise of samples may always use up this one, as samples are
+/// Fraction of the target error for elements. The noise of samples may always use this fraction, because samples are
 /// cheaper than elements.
 #define ELEMENTS_SHARE 0.75
 #define LEAST_NOISE_SHARE 0.25
-/// What elements are taken to use up where nobody looks at them (cornell-blocks: 0.12 to 0.17).
+/// Fraction that elements are assumed to use if their error is not estimated (cornell-blocks: 0.12 to 0.17).
 #define UNSEEN_ELEMENTS_SHARE 0.2
-/// What a camera ray with a gather ray costs, and one without, in rays of rows, with all that these take besides. Measured in
-/// the white room and the Japanese classroom: 0.6 to 1.7 us a ray of rows, 13 and 9 us a camera ray.
+/// Cost of a camera ray with a gather ray, and of one without, in rays of rows, all included. Measured in the white
+/// room and the Japanese classroom: 0.6 to 1.7 us for a ray of rows, 13 and 9 us for a camera ray.
 #define GATHERED_COST 20.0
 #define SAMPLE_COST 14.0
-/// What gather rays leave of the error of elements: all but the first order of indirect light is looked up still. In cornell-blocks
-/// with 40 elements wanted 0.0015 is left, in two-rooms at draft 0.0013 of 0.009.
+/// Fraction of the error of elements that gather rays leave, because only the first order of indirect light is
+/// gathered. In cornell-blocks with 40 elements, 0.0015 is left; in two-rooms at draft, 0.0013 of 0.009.
 #define GATHERED_LEFT 0.2
-/// A finer solution has so many times the elements; a round that leaves more than this of the error has not helped.
+/// A finer solution has this many times the elements. A round that leaves more than this fraction of the error has not
+/// helped.
 #define REFINEMENT 4
 #define LEAST_PROGRESS 0.8
 #define MOST_ROUNDS 3
-/// Elements are looked at by gathering at the first camera rays, and at more where that leaves more than DOUBTFUL_SHARE of the
-/// wanted error uncertain: up to MOST_LOOKS per pixel in each of two passes, or to this part of the samples if that is more.
-/// Not where an error above GENEROUS is allowed, as that would take longer than the picture. Measured: studio at 5 %, 17 samples
-/// per pixel: two looks with 8 took 40 % of the whole.
+/// The error of elements is estimated by gathering at the first camera rays, and at more if that leaves more than
+/// DOUBTFUL_SHARE of the target error uncertain: up to MOST_LOOKS per pixel in each of two passes, or this part of the
+/// samples if that is more. It is not estimated for targets above GENEROUS, because that would take longer than the
+/// picture. Measured: studio at 5 %, 17 samples per pixel: two estimates with 8 took 40 % of the whole.
 #define LOOKS_SHARE 8
 #define MOST_LOOKS 4
 #define DOUBTFUL_SHARE 0.25
 #define GENEROUS (2 * USUAL_ERROR)
 #define MOST_SAMPLES 4096
-/// What one place counts at most in a look at elements, and the pixels that it reaches to at most.
+/// Maximum weight of one place in an estimate of elements, and maximum number of pixels over which it is averaged.
 #define MOST_OF_A_PLACE 4
 #define MOST_AROUND 2
-/// Estimates that exceed the wanted error by less count as that.
+/// Estimates that exceed the target by less than this count as reaching it.
 #define TOLERANCE 1.15
 
 void rsv_plan_desc_init(rsv_plan_desc *desc, size_t size)
@@ -127,7 +129,7 @@ rsv_status rsv_planner_take_allocated(rsv_planner *p, const rsv_allocation *allo
     return status;
 }
 
-// ---- what is enough -------------------------------------------------------------------------------
+// ---- sufficient settings -------------------------------------------------------------------------
 
 static uint32_t power_of_two(double value, uint32_t least, uint32_t most)
 {
@@ -178,8 +180,8 @@ static void choose_finer(rsv_planner *p)
         p->solve.goal_camera = p->picture.camera;
 }
 
-/// Elements err over areas of their own size. One gather ray per pixel mostly misses a small bright caustic, and its few hits
-/// outweigh all else: what is averaged has a few of them in most places.
+/// Errors of elements extend over areas of their own size. One gather ray per pixel mostly misses a small bright
+/// caustic, and its few hits outweigh everything else, so averages must include a few of them in most places.
 static rsv_pixel_error_desc about_elements(const rsv_planner *p)
 {
     double pixels = (double)p->picture.width * p->picture.height;
@@ -199,7 +201,7 @@ static rsv_status take_pair(rsv_planner *p, uint32_t samples, rsv_sample_sum *su
     return status;
 }
 
-/// Two passes tell the noise.
+/// Two passes, which show the noise.
 static rsv_status take_first(rsv_planner *p)
 {
     uint32_t samples = p->wanted > GENEROUS ? 1 : 2;
@@ -209,7 +211,7 @@ static rsv_status take_first(rsv_planner *p)
     return status;
 }
 
-/// Two passes that were taken, again, with a gather ray per camera ray. All else is drawn by the same random numbers: edges,
+/// Repeats two passes with a gather ray per camera ray. All other random numbers are the same, so that edges,
 /// highlights and shadows add no noise to the differences. @param number of the first of them
 static rsv_status take_gathered(rsv_planner *p, uint32_t number, uint32_t samples)
 {
@@ -222,7 +224,8 @@ static rsv_status take_gathered(rsv_planner *p, uint32_t number, uint32_t sample
     return status;
 }
 
-/// Compares the two halves with those of one more gather through the solution: what they find but for noise, elements err.
+/// Compares the two halves with those of one more gather through the solution. The difference, apart from noise, is the
+/// elements' error.
 static void compare_halves(rsv_planner *p, double *uncertainty)
 {
     const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
@@ -253,7 +256,7 @@ static uint32_t samples_needed(const rsv_planner *p)
         p->plan.noise / noise_allowed(p), p->sum.samples, fall_of(p), MOST_SAMPLES);
 }
 
-/// Looks at elements, and more closely where that cannot tell whether they are good enough.
+/// Estimates the error of elements, more accurately if that does not decide whether they are good enough.
 static rsv_status judge_elements(rsv_planner *p, double *uncertainty)
 {
     uint32_t taken = p->sum.half_samples, number = p->passes;
@@ -273,7 +276,7 @@ static rsv_status judge_elements(rsv_planner *p, double *uncertainty)
     return RSV_OK;
 }
 
-/// Whether gather rays are the better way to the wanted error than a finer solution is, or the only one.
+/// Whether gather rays reach the target error sooner than a finer solution, or are the only way.
 static bool is_gathering_better(const rsv_planner *p, bool is_last)
 {
     double pixels = (double)p->picture.width * p->picture.height;
@@ -301,7 +304,7 @@ static void begin_gathering(rsv_planner *p)
     p->uncertainty *= GATHERED_LEFT;
 }
 
-/// Refines elements as long as they are what limits the picture, it helps, and gather rays would take longer.
+/// Refines elements while they limit the picture, it helps, and gather rays would take longer.
 static rsv_status find_solution(rsv_planner *p)
 {
     rsv_status status = p->light ? RSV_OK : rsv_planner_solve(p);
@@ -329,9 +332,9 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
     const rsv_solve_report *report = rsv_light_report(p->light);
     const rsv_picture_plan *plan = &p->plan;
     char elements[80] = "",
-         rays[32] = ""; // solutions that are given do not say what their rows had
+         rays[32] = ""; // given solutions do not have the number of rays of their rows
     if (plan->rays_per_element) snprintf(rays, sizeof rays, " of %u rays", plan->rays_per_element);
-    double least = 2 * p->uncertainty; // that is told from none
+    double least = 2 * p->uncertainty; // smallest significant value
     if (!isnan(plan->elements_error))
         snprintf(elements, sizeof elements, ", of which %s%.2g %% is due to elements",
             plan->elements_error < least ? "less than " : "",
@@ -390,7 +393,10 @@ static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const
     if (r->camera >= rsv_scene_get_view(scene)->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "plan: camera %u does not exist, the scene has %zu",
             r->camera, rsv_scene_get_view(scene)->camera_count);
-    return rsv_scene_refuse_fog(scene, "a planned picture");
+    if (!rsv_scene_get_view(scene)->fog) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "plan: the error of light in fog cannot be estimated; leave out --error and --max-time, and "
+        "choose --quality and --spp, or --noise");
 }
 
 static rsv_status begin(const rsv_scene *scene, const rsv_plan_desc *desc,

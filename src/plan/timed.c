@@ -10,19 +10,21 @@
 #define COARSEST_PHOTONS 40000
 #define FINE_PHOTONS 250000
 #define FINE_RAYS 256
-/// Parts of the time that is left: a solution may take the first before it is given up; a second, finer one aims at the other.
+/// Parts of the time that is left: a solution may take the first before it is given up; a second, finer one aims at the
+/// other.
 #define SOLUTION_SHARE 0.6
 #define FINER_SHARE 0.3
-/// A finer solution is worth it from so many times the elements on. What solutions take besides rows does not grow with them.
+/// A finer solution is worthwhile from this many times the elements on. Costs of solutions besides rows do not grow
+/// with them.
 #define WORTH_IT 4.0
 #define MOST_FINER 60.0
 #define MOST_PASS 64.0
-/// Passes may take this many times what the one before makes expect.
+/// Passes may take this many times as long as the previous one predicts.
 #define DOUBT 1.1
 /// Part of the time left that a pass may take, and camera rays per pixel of the shortest.
 #define PASS_SHARE 0.5
 #define LAST_PASS 0.1
-/// What a camera ray costs where pictures are noisy, over the mean: before it is known.
+/// Cost of a camera ray where pictures are noisy, relative to the mean: until it is known.
 #define UNEVEN_COST 1.3
 
 /// Seconds per triangle that even the coarsest solution takes: a mesh of 4 million triangles takes 4 s.
@@ -69,7 +71,7 @@ static rsv_status find_solution(rsv_planner *p, double seconds)
     return solve_until(p, now + SOLUTION_SHARE * (seconds - now));
 }
 
-/// Two passes of one sample each, which tell the noise, as far as there is time. @param of_one out: seconds that one takes
+/// Two passes of one sample each, which show the noise, if there is time. @param of_one out: seconds per pass
 static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
 {
     rsv_status status = RSV_OK;
@@ -88,8 +90,9 @@ static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
 
 static bool is_path_traced(const rsv_planner *p) { return p->picture.mode == RSV_RENDER_REFERENCE; }
 
-/// Camera rays per pixel of the next pass. Each takes a part of the time left, so that what it takes longer than expected
-/// is made up for by the next; one as short as the last could be is not taken. Path traced ones have whole numbers.
+/// Camera rays per pixel of the next pass. Each pass uses a part of the time left, so that the next one can make up for
+/// a pass that takes longer than expected. No last pass is taken that would be too short. Path-traced passes have whole
+/// numbers.
 static double next_pass(const rsv_planner *p, double left, double of_one)
 {
     double fits = left / fmax(of_one, 1e-6), part = PASS_SHARE * fits;

@@ -1,5 +1,5 @@
-/// Next-event estimation: a place on a source is drawn for a receiver, a shadow ray asks whether it is seen, and what passes
-/// is weighed. Callers draw the numbers and take means; the rest is here. For device code too.
+/// Next-event estimation: draws a point on a source for a receiver, and weights the light that a shadow ray finds
+/// unblocked. Callers supply random numbers and take means. Also for device code.
 #ifndef RSV_NEXT_EVENT_H
 #define RSV_NEXT_EVENT_H
 
@@ -7,11 +7,11 @@
 #include "../trace/ray.h"
 #include "receiver.h"
 
-/// A source as a receiver sees it: the shadow ray to it, and what the answer is worth.
+/// A sampled source: the shadow ray to it, and the sample's weight.
 typedef struct rsv_next_event {
-    rsv_ray ray; ///< t_max -1 = there is nothing to ask for
+    rsv_ray ray; ///< t_max -1 = no ray is needed
     rsv_rgb
-        open; ///< f / p as closed forms know it, visible or not; 0 where they do not know the source
+        open; ///< f / p by closed forms, visible or not; 0 if they do not cover the source
     rsv_rgb light; ///< f / p that is received if the way is free
     bool known;    ///< to closed forms: not a punctual light, nor chosen by the tree
 } rsv_next_event;
@@ -24,7 +24,7 @@ RSV_INLINE void rsv_next_event_clear(rsv_next_event *event)
     event->known = false;
 }
 
-/// What a surface makes of light from one direction.
+/// Response of a surface to light from one direction.
 typedef struct rsv_response {
     rsv_rgb share; ///< that enters it, or that a lobe scatters
     float factor;  ///< besides: the cosine, or the weight against draws by the lobe
@@ -70,7 +70,7 @@ RSV_INLINE void rsv_next_event_diffuse(const rsv_receiver *r, const rsv_entrance
     event->known = rsv_light_sample_is_weighed(sample);
     event->open =
         rgb_scale(rgb_mul(e->weight, sample->mean_radiance), cos / sample->pdf_solid_angle);
-    // what the geometry hides from the shading normal is blocked like anything else
+    // directions below the geometric surface count as blocked
     if (rsv_surface_faces(&r->point, sample->direction))
         rsv_next_event_at_place(r, e, lights, sample, rsv_response_diffuse(e, cos), event);
 }
@@ -126,21 +126,21 @@ RSV_INLINE float rsv_next_event_passed(const rsv_tracer *tracer, const rsv_next_
 void rsv_next_events_passed(
     const rsv_tracer *tracer, const rsv_next_event *event, uint32_t count, float *passed);
 
-/// What all punctual lights give a diffuse receiver, by a shadow ray each. @param rays gets how many were traced
+/// Irradiance on a diffuse receiver from all punctual lights, with one shadow ray each. @param rays out: number of rays
 rsv_rgb rsv_punctual_irradiance_at(const rsv_receiver *receiver, const rsv_entrance *entrance,
     const rsv_lights *lights, const rsv_tracer *tracer, float u, uint64_t *rays);
 
 // ---- sums -----------------------------------------------------------------------------------------
 
-/// Sums over events. What passes blended surfaces in part counts as seen, by as much as passes.
+/// Sums over events. Light partly transmitted by blended surfaces counts as visible in that proportion.
 typedef struct rsv_event_sums {
-    rsv_rgb open;          ///< f / p of what closed forms know, visible or not
+    rsv_rgb open;          ///< f / p of light that closed forms cover, visible or not
     rsv_rgb visible;       ///< f / p of those of them that are visible, as it is received
-    rsv_rgb further;       ///< the same of emitters that a tree chose: `open` knows nothing of them
+    rsv_rgb further;       ///< the same for emitters chosen by a tree, which `open` does not include
     float further_squared; ///< luminance
-    /// Luminance of `visible` that is sure of not being all or nothing: times what is lost.
+    /// Luminance of `visible` that is partly blocked, times the fraction lost.
     float veiled;
-    uint32_t seen, hidden; ///< how many of those that `open` knows
+    uint32_t seen, hidden; ///< numbers of events in `open`
 } rsv_event_sums;
 
 RSV_INLINE rsv_event_sums rsv_event_sums_zero(void)

@@ -1,10 +1,10 @@
-/// Where light straight from sources is received: a point with its normals, and what light passes on its last way into it.
+/// Receivers of direct light: a point with its normals, and the last surfaces that light passes on its way there.
 ///
-/// Elements, pixels, probes, movers, rough lobes, residuals and devices all receive by this and sample sources by
-/// next_event.h; which of the light is theirs, sources/partition.h says. The path tracer has code of its own,
-/// on purpose (reference/path_sources.h).
+/// Elements, pixels, probes, movers, rough lobes, residuals and devices all use it, and sample sources by next_event.h.
+/// sources/partition.h says which sources they count. The path tracer deliberately has separate code
+/// (reference/path_sources.h).
 ///
-/// Plain C, for device code too.
+/// Plain C, also for device code.
 #ifndef RSV_RECEIVER_H
 #define RSV_RECEIVER_H
 
@@ -60,21 +60,21 @@ RSV_INLINE rsv_vec3 rsv_receiver_start(const rsv_receiver *r, rsv_vec3 direction
     return rsv_lifted_origin(&r->point, r->origin, direction);
 }
 
-/// What covers a receiver.
+/// The layer over a receiver.
 typedef enum rsv_cover {
     RSV_COVER_NONE,
     RSV_COVER_COAT, ///< of the point
     RSV_COVER_PATCH ///< on average over the element around it
 } rsv_cover;
 
-/// What light passes at a receiver, and what it counts for there. What it points to is borrowed.
+/// How a receiver transmits and weights incoming light. Pointers are borrowed.
 typedef struct rsv_entrance {
     const rsv_bsdf *bsdf;     ///< [material_count]
     const rsv_medium *medium; ///< above the receiver
     rsv_cover cover;
     const rsv_bsdf *coat;           ///< RSV_COVER_COAT
     const rsv_surface_entry *patch; ///< RSV_COVER_PATCH
-    rsv_rgb weight;                 ///< of irradiance in what is estimated
+    rsv_rgb weight;                 ///< of irradiance, in the estimate
 } rsv_entrance;
 
 /// @param medium, bsdf borrowed
@@ -91,7 +91,7 @@ RSV_INLINE rsv_entrance rsv_entrance_through(
     return e;
 }
 
-/// What light at that cosine counts for as irradiance below the cover.
+/// Weight of light at that cosine, as irradiance below the cover.
 RSV_INLINE rsv_rgb rsv_entrance_share(const rsv_entrance *e, float cos)
 {
     if (e->cover == RSV_COVER_COAT) return rsv_bsdf_entry(e->coat, cos);
@@ -99,7 +99,7 @@ RSV_INLINE rsv_rgb rsv_entrance_share(const rsv_entrance *e, float cos)
     return rgb_gray(1);
 }
 
-/// What fog lets through on the way from a point to a source. Devices get no scenes with fog.
+/// Transmittance of fog from a point to a source. Devices get no scenes with fog.
 RSV_INLINE rsv_rgb rsv_air_transmittance(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 towards, float distance)
 {
@@ -112,7 +112,7 @@ RSV_INLINE rsv_rgb rsv_air_transmittance(
     return rgb_gray(1);
 }
 
-/// The weight of what a source at that distance sends.
+/// Weight of light from a source at that distance.
 RSV_INLINE rsv_rgb rsv_entrance_weight(const rsv_entrance *e, float distance)
 {
     return rgb_mul(e->weight, rsv_medium_transmittance(e->medium, e->bsdf, distance));

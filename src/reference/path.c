@@ -6,7 +6,8 @@
 #define FIRST_ROULETTE_BOUNCE 5
 /// Ends even lossless paths. Above albedo^2 of anything that occurs, or the variance were infinite.
 #define LARGEST_SURVIVAL 0.999f
-/// In fog, paths of many thousand events bring light: a lossless slab of optical thickness t wants more than 1 - 3 / t^2.
+/// In fog, paths of many thousand events bring light: a lossless slab of optical thickness t wants more than 1 - 3 /
+/// t^2.
 #define LARGEST_SURVIVAL_IN_FOG 0.9999f
 
 void rsv_path_next_pair(rsv_path_numbers *numbers, float *x, float *y)
@@ -38,7 +39,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->vertex.is_last = false;
 }
 
-/// Learns from the surface of a body what the ray has run through, and lets that absorb.
+/// Infers the medium of the ray from the surface of a body, and applies its absorption.
 static void cross_medium(rsv_light_path *path, const rsv_path_surface *s)
 {
     float distance = v3_length(v3_sub(s->point, path->departure));
@@ -129,7 +130,7 @@ static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, const float u
     if (!s->translucent) return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
-    // lights are aimed at for the rough lobes alone: weighed by the same density, the two add up to one
+    // sampling for the rough lobes only: weighted by the same density, the two add up to one
     if (sample.pdf_solid_angle > 0)
         sample.pdf_solid_angle =
             rsv_path_surface_respond(s, event.direction, RSV_LOBES_ROUGH).pdf_solid_angle;
@@ -206,7 +207,7 @@ static bool passes(rsv_light_path *path, const rsv_path_surface *s, float distan
     return true;
 }
 
-/// Whether the ray runs through the air on its way to what it has met, if anything.
+/// Whether the ray is in air up to its hit, if it has one.
 static bool is_in_air(const rsv_light_path *path, const rsv_path_surface *met)
 {
     bool inside = met && met->bsdf->solid && !met->front;
@@ -266,7 +267,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .normal = normal,
         .receiving = normal,
         .horizon = normal,
-        .extent = 0x1p20f * lift, // what rsv_offset_origin makes the lift of
+        .extent = 0x1p20f * lift, // from which rsv_offset_origin computes the lift
         .triangle = RSV_NONE,
         .front = true };
     rsv_light_path path;

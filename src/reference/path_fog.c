@@ -69,7 +69,7 @@ static void add_scattered(rsv_light_path *path, const rsv_fog_vertex *v, rsv_rgb
     rsv_path_add_light(path, path->diffuse_events + 1, throughput, arriving);
 }
 
-/// Sets what arrives at the vertex from a place of a punctual light. False if nothing does.
+/// Sets the light from a punctual light that arrives at the vertex. False if there is none.
 static bool set_punctual(
     const rsv_path_tracer *tracer, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
 {
@@ -83,8 +83,8 @@ static bool set_punctual(
     return true;
 }
 
-/// Density of the third technique over that of the path's own distance: per solid angle at the vertex, or for a punctual
-/// light without unit.
+/// Density of the third technique over that of the path's own distance: per solid angle at the vertex, or for a
+/// punctual light without unit.
 static double segment_pdf(
     const rsv_fog_lights *lights, const rsv_fog_vertex *v, uint32_t entry, rsv_vec3 place)
 {
@@ -164,7 +164,7 @@ static rsv_vec3 draw_place(
         emitter->corner[0], emitter->corner[1], emitter->corner[2], sample->u, sample->v);
 }
 
-/// Sets what arrives at the vertex from the light's place. False if nothing does.
+/// Sets the light from a light's sample that arrives at the vertex. False if there is none.
 static bool set_arrival(
     const rsv_path_tracer *tracer, rsv_vec3 place, const rsv_fog_vertex *v, arrival *from)
 {
@@ -181,7 +181,7 @@ static bool set_arrival(
     return rsv_emitter_faces(emitter, v->point);
 }
 
-/// Weight of the third technique over its density, but for that of the vertex's distance.
+/// Weight of the third technique / its density, without that of the vertex's distance.
 static double segment_weight(const rsv_path_tracer *tracer, rsv_fog_vertex *v, uint32_t entry,
     rsv_vec3 place, const arrival *from)
 {
@@ -246,7 +246,7 @@ float rsv_fog_sky_weight(const rsv_light_path *path, rsv_vec3 direction)
 
 // ---- flights ------------------------------------------------------------------------------------
 
-/// Emission per extinction, times the share that is not let through: what the whole segment emits.
+/// Emission per extinction, times 1 - transmittance: the emission of the whole segment.
 static void add_fog_emission(rsv_light_path *path, const rsv_fog_run *run)
 {
     const rsv_fog *fog = path->tracer->fog;
@@ -266,7 +266,7 @@ static double draw_flight(const rsv_fog *fog, rsv_rgb share, float u_channel, fl
     return u < albedo ? rsv_fog_free_column(extinction, u / albedo) : INFINITY;
 }
 
-/// Weighs a path that the fog let pass by what else could have happened to it.
+/// Weights a path that passed the fog by the probabilities of the other outcomes.
 static rsv_fog_outcome pass(rsv_light_path *path, const rsv_fog_vertex *v)
 {
     rsv_rgb passed = rsv_fog_transmittance(path->tracer->fog, v->run.column);

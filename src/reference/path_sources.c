@@ -22,8 +22,8 @@ static void add_light(rsv_light_path *path, uint32_t diffuse_events, rsv_rgb rad
     add_throughput(path, diffuse_events, path->throughput, radiance);
 }
 
-/// Radiance at the path's start per radiance of a source in `medium`, at that distance from the path's
-/// end, but for the throughput.
+/// Radiance at the path's start per radiance of a source in `medium`, at that distance from the path's end, without the
+/// throughput.
 static rsv_rgb from_source(const rsv_light_path *path, const rsv_medium *medium, float distance)
 {
     const rsv_bsdf *bsdf = path->tracer->bsdf;
@@ -103,8 +103,8 @@ void rsv_path_add_environment(rsv_light_path *path)
     add_light(path, path->diffuse_events, rgb_scale(arriving, weight));
 }
 
-/// What of a sample's light arrives past surfaces that do not cover. What sheets transmit is found by paths that meet the
-/// source.
+/// Part of a sample's light that arrives past the coverage of surfaces. Paths that hit the source find the light that
+/// sheets transmit.
 static rsv_rgb seen_of_light(const rsv_path_tracer *tracer, const rsv_path_surface *s,
     const rsv_light_sample *sample, bool below)
 {
@@ -176,7 +176,8 @@ static void add_punctual_lights(rsv_light_path *path, const rsv_path_surface *s,
 /// Chains of mirrors and glass that every surface of a path may try.
 #define TRIED_CHAINS 256
 
-/// Adds what mirrors and glass send here of punctual lights. Where they are many, few surfaces ask, for the others, too.
+/// Adds light of punctual lights through mirrors and glass. If there are many, a few surfaces are connected on behalf
+/// of all.
 static void add_connected_lights(rsv_light_path *path, const rsv_path_surface *s)
 {
     const rsv_connections *connections = path->tracer->connections;

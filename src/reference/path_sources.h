@@ -1,9 +1,9 @@
-/// A path of the reference on its way, and the light that it finds: of sources that its surfaces aim at, combined by the
-/// power heuristic with exponent 2 (Veach and Guibas 1995) with those that it comes to.
+/// A path of the reference, and the light of sources that it finds: by next-event estimation at its surfaces, combined
+/// with sources that it hits by the power heuristic with exponent 2 (Veach and Guibas 1995).
 ///
-/// All else receives by receiver/next_event.h. Paths do not, on purpose: who judges is to share as little as possible with
-/// whom he judges. What they share is the list of sources and how to draw a place on one (sources/lights.h), which tests
-/// compare with exact answers.
+/// All other code uses receiver/next_event.h. Paths deliberately do not: the reference should share as little as
+/// possible with the code that it checks. What they share is the list of sources and how to sample a point on one
+/// (sources/lights.h), which tests compare with exact answers.
 #ifndef RSV_PATH_SOURCES_H
 #define RSV_PATH_SOURCES_H
 
@@ -25,15 +25,14 @@ typedef struct rsv_light_path {
     rsv_medium medium;   ///< that the ray runs through
     rsv_channel channel; ///< of its light, once a body has dispersed it
     float start_ior;     ///< of the medium that the path started in
-    bool settled;        ///< has met the surface of a body, and so knows where it started
+    bool settled;        ///< has hit the surface of a body, so the medium at its start is known
     rsv_vec3 sight;     ///< direction of the camera's ray; 0 = there is none
     uint32_t bounces, diffuse_events;
-    /// With which the last surface chose the ray; 0 = next-event estimation could not have found
-    /// what the ray finds.
+    /// With which the last surface chose the ray; 0 = next-event estimation could not have sampled what the ray hits.
     float pdf_solid_angle;
     float passed; ///< metres since then, past surfaces that did not cover
-    /// The lights as the last surface sees them that next-event estimation knows of: above it and
-    /// below, and on which of these sides the ray left.
+    /// The lights of next-event estimation as seen from the last surface, above and below it. The ray left on one of
+    /// these sides.
     rsv_local_lights local[2];
     bool aimed[2]; ///< whether they are set
     bool below;
@@ -44,7 +43,7 @@ typedef struct rsv_light_path {
 /// Another pair of the path's random numbers in [0, 1).
 void rsv_path_next_pair(rsv_path_numbers *numbers, float *x, float *y);
 
-/// Adds radiance of a source in the path's medium, or of what scatters its light there.
+/// Adds radiance of a source in the path's medium, or of its scattered light there.
 void rsv_path_add_light(
     rsv_light_path *path, uint32_t diffuse_events, rsv_rgb throughput, rsv_rgb radiance);
 

@@ -3,8 +3,8 @@
 /// Largest cosine with the triangle at which a ray begins above it.
 #define GRAZING 0.1f
 
-/// Heights by which the tangent planes of the vertices pass over a point of the triangle that they enclose from outside,
-/// weighed as normals are: the shape that the shading normals speak of. Concave ones do not count.
+/// Heights by which the tangent planes of the vertices pass over a point of the triangle that they enclose from
+/// outside, weighed as normals are: the shape that the shading normals speak of. Concave ones do not count.
 static void rise_to_curve(const rsv_path_tracer *tracer, const rsv_hit *hit, rsv_path_surface *s)
 {
     const rsv_scene_view *scene = tracer->scene;
@@ -28,7 +28,7 @@ static void rise_to_curve(const rsv_path_tracer *tracer, const rsv_hit *hit, rsv
     s->horizon = v3_normalize(smooth);
 }
 
-/// Textures are looked up as they are: what a pixel averages is the business of its samples.
+/// Textures are not filtered: averaging over a pixel is left to its samples.
 void rsv_path_surface_meet(
     const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit, rsv_path_surface *s)
 {
@@ -75,7 +75,7 @@ bool rsv_path_surface_leads(const rsv_path_surface *s, bool transmitted, rsv_vec
                        : v3_dot(s->horizon, direction) > 0;
 }
 
-/// What of the light from wi enters a translucent body, over pi: as if it left a white one right here.
+/// Fraction of the light from wi that enters a translucent body, / pi: as if it left a white one at the same point.
 static rsv_bsdf_value respond_to_entering(const rsv_path_surface *s, rsv_vec3 wi)
 {
     float cos = f_max(v3_dot(s->normal, wi), 0);
@@ -92,7 +92,7 @@ bool rsv_path_surface_is_below(const rsv_path_surface *s, rsv_vec3 wi)
     return v3_dot(s->normal, wi) < 0 && !(rsv_path_surface_turned(s) && is_received(s, wi));
 }
 
-/// The diffuse lobe where it has a normal of its own: it asks for no more of wi than the cosine.
+/// The diffuse lobe with its own normal, which needs only the cosine of wi.
 static rsv_bsdf_value respond_diffusely(const rsv_path_surface *s, rsv_vec3 wi)
 {
     rsv_vec3 t, b;
@@ -123,7 +123,7 @@ rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, 
     return rest;
 }
 
-/// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.
+/// Fraction of light that passes a surface straight: past its coverage, and through thin sheets.
 static rsv_rgb straight_through(const rsv_path_surface *s, bool sheets)
 {
     rsv_rgb uncovered = rgb_gray(1 - s->bsdf->opacity);

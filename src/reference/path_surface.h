@@ -7,22 +7,24 @@
 /// Where a ray arrived. Normals are unit and on the side the ray came from.
 typedef struct rsv_path_surface {
     const rsv_bsdf *bsdf;
-    rsv_bsdf own; ///< what `bsdf` points to where the material varies
+    rsv_bsdf own; ///< `bsdf` points to it if the material varies
     rsv_vec3 point, wo;
     rsv_vec3 geometric_normal;
     rsv_vec3 normal; ///< for scattering
-    /// By which the diffuse lobe receives, whoever looks: `normal`, but where that had to turn lest it lose what is mirrored.
+    /// Normal with which the diffuse lobe receives light, for any viewer: `normal`, except where that was turned to
+    /// keep mirrored light.
     rsv_vec3 receiving;
-    /// Coarse triangles whose normals bulge stand for a curved surface: what light is above it, and the way to it from
-    /// the point. The geometric normal and zero elsewhere, and where something lies between.
+    /// Coarse triangles with smooth convex normals represent a curved surface: the normal that decides which light is
+    /// above it, and the offset to it from the point. Elsewhere, and if something is in between, the geometric normal
+    /// and zero.
     rsv_vec3 horizon, rise;
     float extent; ///< for rsv_offset_origin
     uint32_t triangle, material;
     rsv_channel channel; ///< that scatters here, of a body that disperses light
     float u, v;
     bool front;
-    /// Of a translucent body: light that leaves here diffusely entered elsewhere, or has just been followed to
-    /// where it entered, and its direction is all that is left to choose.
+    /// For translucent bodies: light that leaves here diffusely entered elsewhere (translucent), or was just followed
+    /// to where it entered, and only its direction remains to be chosen (entry).
     bool translucent, entry;
 } rsv_path_surface;
 
@@ -48,8 +50,8 @@ static inline bool rsv_path_surface_turned(const rsv_path_surface *s)
 /// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes);
 
-/// Share of light that reaches the ray's origin from its end without turning.
-/// @param sheets what thin sheets transmit counts, too, besides what surfaces do not cover
+/// Straight transmittance from the ray's end to its origin.
+/// @param sheets include the transmission of thin sheets, besides light past the coverage of surfaces
 rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray, bool sheets);
 
 #endif

@@ -13,8 +13,8 @@ static rsv_status create_bsdfs(rsv_path_tracer *tracer)
     return RSV_OK;
 }
 
-/// Whether it sends light of a point on in a direction that no path from elsewhere aims at: by lenses, mirrors, panes and
-/// polish. What goes straight through thin sheets is found.
+/// Whether it redirects light of a point light in a direction that no path from elsewhere samples, as lenses, mirrors,
+/// panes and polished surfaces do. Light that goes straight through thin sheets is found.
 static bool mirrors(const rsv_bsdf *b)
 {
     bool polished = b->metallic > 0 || b->transmission > 0 ||

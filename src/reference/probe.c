@@ -4,7 +4,7 @@
 
 /// Independent randomisations of a reading; their spread is its standard error.
 #define GROUPS 32
-/// No reading is claimed to be better than this: its sums pass through float.
+/// Lower limit of stated relative errors, because sums pass through float.
 #define SMALLEST_RELATIVE_ERROR 1e-6
 
 static const char phase[] = "probe";
@@ -22,7 +22,7 @@ typedef struct receiver {
     rsv_vec3 normal;   ///< that a surface receives by
     rsv_medium medium; ///< above it
     rsv_rgb
-        connected; ///< W/m2 by way of mirrors and glass: the same on all paths; on a surface, they find it
+        connected; ///< W/m2 through mirrors and glass: the same for all paths; on surfaces, paths find it
 } receiver;
 
 static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe *probe)
@@ -73,7 +73,7 @@ static group_mean measure_group(
     return group;
 }
 
-/// @param connected what is added to all groups
+/// @param connected added to all groups
 static void summarise_channel(
     const group_mean *group, int channel, double connected, float *mean, float *error)
 {

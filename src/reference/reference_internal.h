@@ -10,7 +10,7 @@
 #include "resolvent/trace.h"
 #include "subsurface.h"
 
-/// What paths are traced through; constant after creation and thread-safe.
+/// Scene data for paths. Constant after creation and thread-safe.
 typedef struct rsv_path_tracer {
     rsv_context *context;
     const rsv_scene_view *scene;
@@ -21,20 +21,20 @@ typedef struct rsv_path_tracer {
     rsv_media media;
     const rsv_fog *fog; ///< the scene's; NULL = clear air
     rsv_fog_lights fog_lights;
-    /// What mirrors and glass make of punctual lights; NULL = nothing, or left out.
+    /// Light of punctual lights through mirrors and glass; NULL = none, or omitted.
     rsv_connections *connections;
-    bool blended; ///< some surfaces do not cover all that is behind them
+    bool blended; ///< some surfaces do not fully cover what is behind them
 } rsv_path_tracer;
 
-/// @param connected paths are connected with punctual lights by way of mirrors and glass; else a warning tells of what is
-/// left out, if anything
+/// @param connected connect paths with punctual lights through mirrors and glass; false = omit this light, with a
+/// warning if there is any
 rsv_status rsv_path_tracer_create(const rsv_scene *scene, bool connected, rsv_path_tracer **tracer);
 void rsv_path_tracer_destroy(rsv_path_tracer *tracer);
 
-/// Light is told apart by its diffuse reflections, 0, 1, ...; the last order collects the rest.
+/// Light is separated by its diffuse reflections, 0, 1, ...; the last order includes all later ones.
 #define RSV_PATH_ORDERS 9
 
-/// What one path found, W/(sr m2).
+/// Light found by one path, W/(sr m2).
 typedef struct rsv_path_light {
     rsv_rgb order[RSV_PATH_ORDERS];
 } rsv_path_light;
@@ -49,15 +49,14 @@ typedef struct rsv_path_id {
 void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
-/// Radiance that a white Lambert surface at `point` would reflect (irradiance / pi). Order 0 stays
-/// black.
-/// @param point possibly on a surface, whose side `normal` (unit) tells
+/// Radiance that a white Lambert surface at `point` would reflect (irradiance / pi). Order 0 stays black.
+/// @param point may be on a surface, on the side given by `normal` (unit)
 /// @param medium above it
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
-/// The same of a point of a surface, of the light that enters it to be scattered diffusely.
-/// @param point with the side that receives @param normal that it receives by
+/// The same for light that enters a surface at a point, to be scattered diffusely.
+/// @param point with the receiving side @param normal with which it receives
 void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 

@@ -7,7 +7,7 @@
 /// Probes end where this share of the profile lies within.
 #define REACH 27.0f ///< over d: all but one ten-thousandth
 #define MAX_HITS 64
-/// Points strewn over a body: so many per d^2, within bounds; and probe rays for each.
+/// Points distributed over a body: this many per d^2, within bounds; and probe rays for each.
 #define POINTS_PER_D2 8.0
 #define FEWEST_POINTS 512.0
 #define MOST_POINTS 4096.0

@@ -1,10 +1,10 @@
-/// Where light entered a translucent body that leaves it at a given point: probe rays through the body along three
-/// axes, combined by multiple importance sampling over axes and channels (King et al. 2013, "BSSRDF importance
+/// Finds where light that leaves a translucent body at a given point entered it: probe rays through the body along
+/// three axes, combined by multiple importance sampling over axes and channels (King et al. 2013, "BSSRDF importance
 /// sampling").
 ///
-/// The model is that of diffusion/scatter_sources.h: a body is the surface of one object, material and side, and the
-/// profile counts over the straight distance, divided by max(1, N) of the two ends. N is the profile's integral over
-/// the body, here estimated by the same probe rays at points strewn over it.
+/// The model is that of diffusion/scatter_sources.h: a body is the surface of one object, material and side. The
+/// profile depends on the straight distance, divided by max(1, N) of the two ends. N is the integral of the profile
+/// over the body, estimated here by the same probe rays at points distributed over it.
 #ifndef RSV_REFERENCE_SUBSURFACE_H
 #define RSV_REFERENCE_SUBSURFACE_H
 
@@ -48,8 +48,8 @@ typedef struct rsv_body_point {
     float u, v;
 } rsv_body_point;
 
-/// Draws the point where light entered that leaves at `exit`. False if none was found: the light is lost.
-/// @param weight share over density, to be multiplied by the albedo
+/// Samples the point where light that leaves at `exit` entered. False if none was found: the light is lost.
+/// @param weight contribution / density, to multiply by the albedo
 bool rsv_bodies_sample_entry(const rsv_bodies *bodies, const rsv_body_point *exit,
     rsv_random *random, rsv_body_point *entry, rsv_rgb *weight);
 

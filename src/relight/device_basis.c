@@ -3,7 +3,7 @@
 #include "../core/core.h"
 #include "resolvent/measure.h"
 
-/// The plug-in's objects start with what the library needs to find them by.
+/// Objects of plug-ins start with the fields that the library needs.
 struct rsv_device_basis {
     rsv_device *device;
 };

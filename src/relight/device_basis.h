@@ -1,4 +1,4 @@
-/// What a plug-in offers for relighting by factors; the library's side is rsv_device_basis of resolvent/device.h.
+/// Interface of plug-ins for relighting by factors; the library's side is rsv_device_basis in resolvent/device.h.
 #ifndef RSV_DEVICE_BASIS_H
 #define RSV_DEVICE_BASIS_H
 

@@ -16,7 +16,7 @@ typedef struct rsv_light_place {
 /// Where a punctual light stands.
 void rsv_light_place_note(const rsv_punctual_light *light, rsv_light_place *place);
 
-/// @param place [count] zero before; to be freed by rsv_light_places_free even after an error
+/// @param place [count] zeros at first; free it with rsv_light_places_free, even after an error
 rsv_status rsv_light_places_find(
     const rsv_scene *scene, const rsv_source *source, size_t count, rsv_light_place *place);
 void rsv_light_places_free(rsv_context *context, rsv_light_place *place, size_t count);

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/// Of the residual: far below what anybody sees.
+/// Of the residual: far below what is visible.
 #define TOLERANCE 1e-6
 
 typedef struct builder {
@@ -22,7 +22,7 @@ typedef struct builder {
 
 static bool same(const char *a, const char *b) { return strcmp(a, b) == 0; }
 
-/// A light's own name, unless others have the same one and its node can tell them apart.
+/// A light's own name, unless others have the same name and its node distinguishes it.
 static const char *name_of(const rsv_light_basis *basis, const rsv_source *source)
 {
     bool shared = false;
@@ -95,7 +95,7 @@ cleanup:
     return status;
 }
 
-/// What rows gathered: of lamps, or of the surroundings, which are the rest.
+/// Divides gathered light: of lamps and, for the rest, of the environment.
 static void divide_gathered(const builder *b)
 {
     const rsv_light_view *s = b->s;
@@ -158,7 +158,7 @@ static float share(float part, float sum, size_t count)
     return sum > 0 ? part / sum : 1 / (float)count;
 }
 
-/// Divides the indirect light that is shown in proportion to what each response has of it as solved.
+/// Divides displayed indirect light in proportion to the solved light of each response.
 static void divide_indirect(const builder *b)
 {
     const rsv_light_view *s = b->s;
@@ -180,7 +180,7 @@ static void divide_indirect(const builder *b)
         rsv_elements_constrain(s->elements, rsv_light_edit(b->r->light[k])->indirect);
 }
 
-/// What translucent surfaces show of each response.
+/// Light of translucent surfaces for each response.
 static rsv_status diffuse(const builder *b)
 {
     rsv_status status = RSV_OK;
@@ -256,7 +256,7 @@ rsv_status rsv_light_responses_create(const rsv_light *whole, rsv_light_response
     RSV_TRY(create_groups(&b));
     if (b.basis->source_count > 1) RSV_TRY(rsv_light_require_parts(s));
     if (b.basis->source_count == 1)
-        b.r->view[0] = s; // one source alone is the whole
+        b.r->view[0] = s; // a single source is the total
     else
         RSV_TRY(divide(&b));
     *responses = b.r;

@@ -1,7 +1,8 @@
-/// What each light does by itself, bounces included: the basis that relighting by factors needs.
+/// The contribution of each light, bounces included: the basis for relighting by factors.
 ///
-/// Lights that share a definition are told apart by their nodes. Sources that have all names in common answer together,
-/// and so do lamps that only gather rays find, which are stored as one sum. Every value of the whole is divided in proportion: the parts add up to it.
+/// Lights that share a definition are distinguished by their nodes. Sources with the same names form one entry. So do
+/// lamps that only gather rays find, which are stored as one sum. Every value of the total is divided in proportion, so
+/// that the parts add up to it.
 #ifndef RSV_LIGHT_RESPONSE_H
 #define RSV_LIGHT_RESPONSE_H
 
@@ -11,8 +12,8 @@ typedef struct rsv_light_responses {
     rsv_context *context;
     size_t count;
     const char *
-        *name; ///< [count] the scene's: of a light, or of the node that tells it from others
-    const char **definition; ///< [count] of a light alone
+        *name; ///< [count] name of a light in the scene, or of the node that distinguishes it from others
+    const char **definition; ///< [count] name of the light only
     rsv_rgb *
         scale; ///< [count] how strong its first source stands, of the strength that it has by itself
     /// [count] on the operator and the levels of the whole. Their orders are not kept apart

@@ -1,4 +1,4 @@
-/// How every source and colour of a scene stands, or is wanted to stand.
+/// Present or requested settings of all sources and colours of a scene.
 #ifndef RSV_LIGHT_SETTINGS_H
 #define RSV_LIGHT_SETTINGS_H
 
@@ -13,7 +13,7 @@ typedef struct rsv_light_settings {
     float rotation;      ///< of the surroundings, degrees
 } rsv_light_settings;
 
-/// @param settings to be freed by rsv_light_settings_free even after an error
+/// @param settings free it with rsv_light_settings_free, even after an error
 rsv_status rsv_light_settings_allocate(
     rsv_context *context, size_t sources, size_t materials, rsv_light_settings *settings);
 void rsv_light_settings_free(rsv_context *context, rsv_light_settings *settings);
@@ -27,11 +27,12 @@ typedef struct rsv_light_settings_home {
     const rsv_light_settings *settings; ///< as they began
 } rsv_light_settings_home;
 
-/// What a description asks for; what it does not name is as it began. Errors as in rsv_light_relight.
+/// Settings from a description; everything else has its original value. Errors as in rsv_light_relight.
 rsv_status rsv_light_settings_read(
     const rsv_light_settings_home *home, const rsv_relight_desc *desc, rsv_light_settings *wanted);
 
-/// A lamp of which surfaces see more than this cannot be moved: what its body hides of the rest is part of the operator.
+/// A lamp that fills more than this fraction of the view of surfaces cannot be moved: what its body hides is part of
+/// the operator.
 #define RSV_MOVABLE_SHARE 0.015
 
 /// The factor of all lamps that gather rays find: their light is stored as one sum.

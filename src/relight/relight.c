@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/// Largest change of the last order, relative to the largest E0, that nobody sees.
+/// Largest invisible change by the last order, relative to the largest E0.
 #define CONVERGED 1e-3
 
 static double largest(const rsv_rgb *field, size_t count)
@@ -67,7 +67,7 @@ static void take_indirect(void *data, rsv_span span)
         f->indirect[n] = rgb_positive(rgb_sub(f->irradiance[n], f->source[n]));
 }
 
-/// What cameras look up: all but E0, sharpened.
+/// The light for lookups by cameras: everything but E0, sharpened.
 static void show(rsv_relighter *r)
 {
     rsv_light_fields *f = r->field;
@@ -127,7 +127,7 @@ static size_t level_cells(const rsv_relighter *r)
     return (fine ? fine->cell_count : 0) + (caustics ? caustics->cell_count : 0);
 }
 
-/// Levels for sources as they stand now, whatever was refined for places where they stood before.
+/// Creates levels for the present positions of sources, without refinements for earlier positions.
 static rsv_status refine_levels(rsv_relighter *r)
 {
     rsv_status status;
@@ -162,7 +162,7 @@ uint64_t rsv_relighter_rays(const rsv_relighter *r) { return r->rays; }
 
 bool rsv_relighter_is_settled(const rsv_relighter *r) { return r->settled; }
 
-// ---- what there is ----------------------------------------------------------------------------------
+// ---- sources -------------------------------------------------------------------------------------
 
 size_t rsv_relighter_source_count(const rsv_relighter *r) { return r->basis->source_count; }
 

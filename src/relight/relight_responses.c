@@ -4,7 +4,7 @@
 #include "../solve/sharpen.h"
 #include "solve_fields.h"
 
-/// Of the residual: far below what anybody sees.
+/// Of the residual: far below what is visible.
 #define TOLERANCE 1e-5
 #define FIELDS_AT_ONCE 4 ///< they share every pass over G
 
@@ -26,7 +26,7 @@ static size_t group_sources(const rsv_relighter *r, size_t *of_source)
     return count;
 }
 
-/// E0 of one response, 0 at hanging nodes. @param sky [node_count] what rows gathered of the surroundings
+/// E0 of one response, 0 at hanging nodes. @param sky [node_count] light of the environment that rows gathered
 static void add_source(const rsv_relighter *r, size_t k, const rsv_rgb *sky, rsv_rgb *field)
 {
     const rsv_light_part *part = &r->basis->part[k];
@@ -50,7 +50,7 @@ typedef struct batch {
     rsv_relighter *r;
     rsv_relight_responses *own;
     size_t first, count;
-    const rsv_rgb *sky;       ///< [node_count] what rows gathered of the surroundings
+    const rsv_rgb *sky;       ///< [node_count] light of the environment that rows gathered
     rsv_rgb *field;           ///< [node_count] scratch
     rsv_rgb *source, *solved; ///< [node_count x count]
 } batch;
@@ -75,7 +75,7 @@ static void collect_sources(const batch *b)
     }
 }
 
-/// Keeps what was solved for, whole and as it is shown.
+/// Stores the solutions, complete and as displayed.
 static void keep(const batch *b)
 {
     const rsv_elements *e = b->r->s->elements;

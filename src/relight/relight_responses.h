@@ -1,6 +1,7 @@
-/// What each source of a relighter does by itself, bounces included: kept, so that other strengths are a sum.
+/// The contribution of each source of a relighter, bounces included. They are kept, so that other strengths are a
+/// weighted sum.
 ///
-/// Lamps that rows gathered are stored as one sum and answer together; every other source has a response of its own.
+/// Lamps that rows gathered are stored as one sum and have one response; every other source has its own.
 #ifndef RSV_RELIGHT_RESPONSES_H
 #define RSV_RELIGHT_RESPONSES_H
 

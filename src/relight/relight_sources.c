@@ -9,7 +9,7 @@
 
 /// Photons of a source on the move, as a share of all.
 #define ROUGH_PHOTON_SHARE 16
-/// A preview, and more rays in penumbrae alone.
+/// A preview, with more rays only in penumbrae.
 #define ROUGH_SAMPLES 4
 
 static rsv_light_settings_home home_of(const rsv_relighter *r)
@@ -92,7 +92,7 @@ static bool any_body_moves(const rsv_relighter *r)
     return any;
 }
 
-/// Whether a source is to be away from where it began.
+/// Whether a source will not be at its original position.
 static bool will_be_away(const rsv_relighter *r, size_t k)
 {
     return !same_place(r->wanted.offset[k], r->home.offset[k]) ||
@@ -101,7 +101,7 @@ static bool will_be_away(const rsv_relighter *r, size_t k)
                r->wanted.rotation != r->home.rotation);
 }
 
-/// Keeps the part that a source has where it began, or has it back there. @return whether it has it back
+/// Stores a source's contribution at its original position, or restores it. @return whether it was restored
 static bool leave_or_return(rsv_relighter *r, size_t k)
 {
     rsv_light_part *part = &r->basis->part[k];
@@ -114,8 +114,8 @@ static bool leave_or_return(rsv_relighter *r, size_t k)
     return !away;
 }
 
-/// Marks sources that are to stand elsewhere, and puts them there. @param returned out: whether any stands where it began
-/// again, where its part is known @return whether there are others
+/// Marks sources that are to stand elsewhere, and puts them there. @param returned out: whether any stands where it
+/// began again, where its part is known @return whether there are others
 static bool move_sources(rsv_relighter *r, bool *returned)
 {
     bool any = false;
@@ -300,7 +300,7 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_punctual_light *
     return RSV_OK;
 }
 
-/// What every source does by itself, where that is wanted; steps will do where it cannot be had.
+/// Finds the contribution of every source, if requested. If that is not possible, steps are used.
 static rsv_status find_responses(rsv_relighter *r)
 {
     if (r->responses || !r->prepared || rsv_relighter_any_stale(r)) return RSV_OK;
@@ -359,7 +359,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_punctual_light *l
     return status == RSV_OK ? rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING) : status;
 }
 
-/// What changes between two settings.
+/// Kind of change between two settings.
 static rsv_relighter_change_kind kind_of_change(
     const rsv_relighter *r, const rsv_light_settings *from, const rsv_light_settings *to)
 {
@@ -375,7 +375,7 @@ static rsv_relighter_change_kind kind_of_change(
     return others && places ? RSV_RELIGHTER_STRENGTHS : RSV_RELIGHTER_ANYTHING;
 }
 
-/// Keeps the light as it is, for whoever goes back to that.
+/// Stores the original light, so that it can be restored.
 static rsv_status keep_beginning(rsv_relighter *r)
 {
     rsv_status status;
@@ -428,7 +428,7 @@ cleanup:
     return status;
 }
 
-/// What is wanted is what is.
+/// Makes the requested settings the present ones.
 static void take_settings(rsv_relighter *r)
 {
     rsv_light_settings before = r->now;
@@ -438,7 +438,7 @@ static void take_settings(rsv_relighter *r)
     r->residual = INFINITY;
 }
 
-/// Brings the light to the wanted settings, but for colours, which it has already.
+/// Applies the requested settings to the light, except colours, which have been applied.
 static rsv_status follow_settings(rsv_relighter *r)
 {
     rsv_status status = RSV_OK;

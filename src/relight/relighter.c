@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/// Has the light know its parts of E0.
+/// Computes the light's contributions to E0, if it has none.
 static rsv_status find_basis(rsv_relighter *r)
 {
     if (!r->s->basis) {
@@ -34,7 +34,7 @@ rsv_status rsv_relighter_make_room(rsv_relighter *r, size_t sources)
     rsv_status status = RSV_OK;
     if (sources <= r->capacity) return RSV_OK;
     size_t count = b->source_count, to = sources + sources / 2;
-    size_t from = r->capacity ? count : 0; // the basis alone comes with sources
+    size_t from = r->capacity ? count : 0; // only the basis has sources at first
     RSV_TRY(widen(r->context, &b->source, count, to, sizeof *b->source));
     RSV_TRY(widen(r->context, &b->part, count, to, sizeof *b->part));
     RSV_TRY(widen(r->context, &b->scale, count, to, sizeof *b->scale));

@@ -1,4 +1,4 @@
-/// A relighter: what it keeps, and E0 of the sources as they stand.
+/// A relighter: its data, and E0 of the sources in their present state.
 #ifndef RSV_RELIGHTER_H
 #define RSV_RELIGHTER_H
 
@@ -26,12 +26,12 @@ struct rsv_relighter {
     rsv_rgb environment_scale;  ///< that the scene's pixels have now
     size_t capacity;            ///< sources that there is room for
     const rsv_rgb **summed;     ///< [capacity] scratch
-    rsv_rgb *factor;            ///< [capacity] likewise
-    rsv_light_part **listed;    ///< [2 capacity] likewise
+    rsv_rgb *factor;            ///< [capacity]
+    rsv_light_part **listed;    ///< [2 capacity]
     rsv_light_place *place;     ///< [source_count]
     rsv_light_settings home, now, wanted;
-    bool *stale; ///< [source_count] to be sampled in full before the light has settled
-    bool *moved; ///< [source_count] to be sampled at once
+    bool *stale; ///< [source_count] must be sampled in full before the light has settled
+    bool *moved; ///< [source_count] must be sampled now
     bool *moves; ///< [material_count] whose triangles can be moved
     rsv_receiver_blocks *coarse, *fine; ///< of either level; NULL until something moves
     rsv_transport_map *map;
@@ -39,13 +39,13 @@ struct rsv_relighter {
     uint64_t rays;           ///< traced so far
     double residual;
     struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
-    bool prepared;                           ///< whether they are wanted, and can be had
+    bool prepared;                           ///< responses are requested, and possible
     bool settled;
     bool once;             ///< there will be one change, and no way back
     bool grown;            ///< a source was added
     bool refined;          ///< levels have other elements than in the beginning
     uint32_t replacements; ///< of levels
-    bool behind;           ///< a change was cut short: the next one takes everything over again
+    bool behind;           ///< a change was interrupted: the next one applies everything again
 };
 
 static inline size_t rsv_relighter_nodes(const rsv_relighter *r)
@@ -62,7 +62,7 @@ static inline bool rsv_relighter_any_stale(const rsv_relighter *r)
     return any;
 }
 
-/// Makes room for so many sources in all that lists them.
+/// Allocates memory for more sources in all arrays of sources.
 rsv_status rsv_relighter_make_room(rsv_relighter *relighter, size_t sources);
 
 /// Pixels of the surroundings.
@@ -71,10 +71,10 @@ size_t rsv_surroundings_length(const rsv_scene *scene);
 /// Gives sources of the scene their strengths. @param scale [source_count] NULL = those that they have by themselves
 rsv_status rsv_relighter_set_strengths(rsv_relighter *relighter, const rsv_rgb *scale);
 
-/// The lights of the scene as it stands, divided between rays that gather and rays that aim as the operator has it.
+/// The lights of the present scene, divided into gathered and sampled ones as in the operator.
 rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
 
-/// What has changed since E0 was last brought up to date.
+/// Changes since E0 was last updated.
 typedef enum rsv_relighter_change_kind {
     RSV_RELIGHTER_ANYTHING,
     RSV_RELIGHTER_STRENGTHS, ///< of sources, no more
@@ -85,22 +85,22 @@ typedef enum rsv_relighter_change_kind {
 rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
     rsv_relighter_change_kind kind, const rsv_light_effort *effort);
 
-/// What rows gather of the surroundings as they stand, at the strength that they have by themselves; 0 without.
+/// Light of the present environment that rows gather, at its unscaled strength; 0 without an environment.
 /// @param sky [node_count] out
 void rsv_relighter_see_sky(const rsv_relighter *relighter, rsv_rgb *sky);
 
-/// Keeps what parts have on the levels that there were in the beginning, before these are refined.
+/// Stores the contributions on the original levels, before these are refined.
 rsv_status rsv_relighter_keep_levels(rsv_relighter *relighter);
-/// Drops what belongs to levels that are no more.
+/// Frees data of levels that no longer exist.
 void rsv_relighter_forget_levels(rsv_relighter *relighter);
-/// After the light has the levels of the beginning again: gives them back to parts at home. Others have nothing there then,
-/// and their sources are stale.
+/// After the light has the levels of the beginning again: gives them back to parts at home. Others have nothing there
+/// then, and their sources are stale.
 void rsv_relighter_return_levels(rsv_relighter *relighter);
 
-/// rsv_relighter_change for factors alone. @param scale [source_count]
+/// rsv_relighter_change for factors only. @param scale [source_count]
 rsv_status rsv_relighter_scale(rsv_relighter *relighter, const rsv_rgb *scale);
 
-/// The linear map of the light's operator, anew.
+/// Creates the linear map of the light's operator again.
 rsv_status rsv_relighter_map(rsv_relighter *relighter);
 
 /// Brings scene, lights and E0 to the present settings, after parts have changed.

@@ -4,11 +4,11 @@
 
 #include "../solve/light.h"
 
-/// E = E0 + G K E for every field, by the solver that the solution was found with; fields share each pass over G.
-/// @param relative residual to reach, over the size of E0
-/// @param source [node_count * fields] E0 in W/m^2, fields side by side; 0 at hanging nodes afterwards
+/// Solves E = E0 + G K E for all fields, with the solver of the solution. Fields share each pass over G.
+/// @param relative residual to reach, relative to E0
+/// @param source [node_count * fields] E0 in W/m2, fields side by side; afterwards 0 at hanging nodes
 /// @param solved [node_count * fields] E, out
-/// @param reached whether the residual was; NULL = never mind. What is solved is good to a larger one otherwise.
+/// @param reached out: whether the residual was reached; otherwise the result has a larger one. May be NULL
 rsv_status rsv_solve_fields(const rsv_light_view *light, size_t fields, double relative,
     rsv_rgb *source, rsv_rgb *solved, bool *reached);
 

@@ -6,7 +6,7 @@ static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
         sum[n] = rgb_add(sum[n], value[n]);
 }
 
-/// What shadow rays and photons find.
+/// Light found by shadow rays and photons.
 static rsv_status sample(const rsv_light *like, rsv_light *turned)
 {
     const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment", NULL };

@@ -1,5 +1,5 @@
-/// What the surroundings of a scene do by themselves when they are turned about the vertical. Rows of G stay as they
-/// are: they know light from afar direction by direction. What shadow rays and photons find is sampled anew.
+/// The contribution of a scene's environment when it is rotated about the vertical. Rows of G stay as they are, because
+/// they store distant light by direction. Light found by shadow rays and photons is sampled again.
 #ifndef RSV_TURNED_SURROUNDINGS_H
 #define RSV_TURNED_SURROUNDINGS_H
 

@@ -9,11 +9,11 @@
 typedef struct link {
     rsv_specular_path path;
     rsv_rough_departure departure;
-    uint32_t trail; ///< names the branches that led here; seeds what is drawn here
-    bool shot;      ///< photons bring what sources send here
+    uint32_t trail; ///< identifies the branches up to here; seeds the random numbers here
+    bool shot;      ///< photons bring the light of sources here
 } link;
 
-/// The links still to be followed, and what the others found.
+/// The links that remain to be followed, and the light found by the others.
 typedef struct tree {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
@@ -47,7 +47,7 @@ static void add_emission(tree *t, const link *at, const rsv_bsdf *bsdf)
     t->radiance = rgb_add(t->radiance, rgb_mul(throughput, emission));
 }
 
-/// Takes from a path what fog on its last segment takes. Bodies displace fog.
+/// Applies the fog on a path's last segment. There is no fog in solid bodies.
 static void cross_fog(tree *t, rsv_specular_path *path, bool leaves, uint32_t trail)
 {
     if (!t->setting->cross_fog || path->medium.depth || !(leaves || path->length > 0)) return;
@@ -82,8 +82,8 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
     leave(t, (link){ at->path, { .shot = at->shot }, at->trail, at->shot }, &branch);
 }
 
-/// Goes straight on where the surface does not cover. What a rough surface aims at is aimed at through it, too, so that the
-/// departure stays what it was; without one, that is done along with what is transmitted.
+/// Continues straight past the surface's coverage. Sources sampled at a rough surface are sampled through it too, so
+/// the departure stays the same; without one, this is done together with transmission.
 /// @param opacity of the surface
 static void pass(tree *t, const link *at, float opacity, rsv_bsdf_branches *branches)
 {
@@ -113,7 +113,7 @@ static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
     return n;
 }
 
-/// What sources aimed at send by a rough surface.
+/// Light of sampled sources at a rough surface.
 static rsv_rgb light_aimed(
     const tree *t, const link *at, rsv_rough_surface *surface, const rsv_rough_numbers *numbers)
 {
@@ -158,7 +158,7 @@ static void limit_events(tree *t, link *at)
     t->most = UINT32_MAX;
 }
 
-/// What a link finds at its surface, and the branches that leave there.
+/// The light at a link's surface, and the branches that leave there.
 static void visit(tree *t, link *at, rsv_diffuse_end end, void *user)
 {
     rsv_rough_surface surface;

@@ -8,23 +8,23 @@
 #include "pixel_sample.h"
 #include "sky_visibility.h"
 
-/// Specular events along a branch that are enough for any picture but of closed rooms of mirrors: branches of pictures that
-/// go on after these play roulette.
+/// Specular events along a branch that are enough for any picture but of closed rooms of mirrors: branches of pictures
+/// that go on after these play roulette.
 #define RSV_CAMERA_PATH_DEPTH 64
 
-/// What the specular paths of one picture have in common.
+/// Data common to the specular paths of one picture.
 typedef struct rsv_camera_setting {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     const rsv_sky_visibility *visibility; ///< of rough surfaces; NULL = not known
     uint32_t max_events;                  ///< specular ones along a branch at most
-    bool shot;                            ///< leave out what rsv_shot_light_add adds
-    /// Called for each segment through fog that leads on to a surface or out of the scene, from the second one on; adds what
-    /// it scatters. NULL = the air is clear. @param throughput of the path up to it @param trail names it
-    /// @return what the segment lets pass
+    bool shot;                            ///< omit the light that rsv_shot_light_add adds
+    /// Called for each segment through fog that leads to a surface or out of the scene, from the second one on; adds
+    /// scattered light. NULL = the air is clear. @param throughput of the path up to it @param trail identifies it
+    /// @return transmittance of the segment
     rsv_rgb (*cross_fog)(void *user, const rsv_ray *segment, rsv_rgb throughput, uint32_t trail);
-    /// Widens rough lobes by so much, radian^2, as they reflect punctual lights (rsv_rough_widen): fewer sparks, blurred
-    /// highlights; 0 = they stay as they are
+    /// Widens rough lobes by so much, radian^2, as they reflect punctual lights (rsv_rough_widen): fewer sparks,
+    /// blurred highlights; 0 = they stay as they are
     float widening;
 } rsv_camera_setting;
 
@@ -32,12 +32,13 @@ typedef struct rsv_camera_setting {
 /// @param weight radiance at the camera per B / pi of the surface
 typedef void (*rsv_diffuse_end)(void *user, const rsv_specular_path *path, rsv_rgb weight);
 
-/// Follows all ideal branches that matter, deterministically; branches fainter than one part in a hundred
-/// survive by roulette, so that nothing is lost on average. Rough surfaces send on one branch at random.
-/// @param trail names the branches that led to the specular path's surface; of a camera ray, its random number. What is
-///             drawn depends on it alone, so a specular path may be followed in any order, or be continued midway.
-/// @param sample stratifies what the first surface draws, if it is rough; NULL = `trail` alone
-/// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
+/// Follows all ideal branches that matter, deterministically. Branches fainter than 1 % survive by Russian roulette,
+/// which is unbiased. Rough surfaces send one branch at random.
+/// @param trail identifies the branches up to the specular path's surface; for a camera ray, its random number. Random
+/// numbers depend
+///             only on it, so specular paths may be followed in any order, or continued midway.
+/// @param sample stratifies the random numbers of the first surface, if it is rough; NULL = only `trail`
+/// @return radiance towards the camera emitted by surfaces on the way and by the environment
 rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path path, uint32_t trail,
     const rsv_pixel_sample *sample, rsv_diffuse_end end, void *user);
 

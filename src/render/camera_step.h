@@ -1,5 +1,5 @@
-/// One step of a camera path: what it finds at the surface where it has arrived, and the branches that leave from there.
-/// Whoever follows paths drives it: one by one (camera_path.c), sixteen at a time (frame/specular_arrival.c), in waves on a
+/// One step of a camera path: the light at the surface where it has arrived, and the branches that leave from there.
+/// Callers follow paths one by one (camera_path.c), sixteen at a time (frame/specular_arrival.c), or in waves on a
 /// device (gpu/frame_kernels.h). Plain C, also for device code.
 #ifndef RSV_CAMERA_STEP_H
 #define RSV_CAMERA_STEP_H
@@ -8,7 +8,7 @@
 #include "../specular/specular_walk.h"
 #include "rough_light.h"
 
-// ---- what is found --------------------------------------------------------------------------------
+// ---- light at a surface --------------------------------------------------------------------------
 
 /// Whether a side of a surface shows its emission, or is unlit.
 RSV_INLINE bool rsv_side_shows_emission(const rsv_bsdf *bsdf, bool back)
@@ -20,8 +20,8 @@ RSV_INLINE bool rsv_side_shows_emission(const rsv_bsdf *bsdf, bool back)
 
 #define RSV_FAINT_BRANCH 0.01f ///< branches below this weight play roulette
 
-/// Whether an ideal branch is to be followed.
-/// @param carried of the specular path so far @param weight of the branch; made up for those that are not
+/// Whether to follow an ideal branch.
+/// @param carried weight of the specular path so far @param weight of the branch; increased to make up for dropped ones
 RSV_INLINE bool rsv_weight_survives(rsv_rgb carried, uint32_t trail, bool transmit, rsv_rgb *weight)
 {
     float most = rgb_max(rgb_mul(carried, *weight));
@@ -44,7 +44,7 @@ RSV_INLINE uint32_t rsv_branch_trail(uint32_t trail, bool transmit)
     return rsv_hash2(trail, 2 + transmit);
 }
 
-/// A branch that is to be followed.
+/// A branch to follow.
 typedef struct rsv_camera_branch {
     bool transmit;
     rsv_vec3 direction;
@@ -52,7 +52,8 @@ typedef struct rsv_camera_branch {
     uint32_t trail; ///< its name
 } rsv_camera_branch;
 
-/// One ideal branch of a surface, if it is to be followed. @param trail of the specular path @param max_events specular ones at most
+/// One ideal branch of a surface, if it is to be followed. @param trail of the specular path @param max_events limit of
+/// specular ones
 RSV_INLINE bool rsv_ideal_branch(const rsv_specular_path *path, uint32_t trail, uint32_t max_events,
     bool transmit, const rsv_bsdf_branches *branches, rsv_camera_branch *branch)
 {
@@ -65,7 +66,7 @@ RSV_INLINE bool rsv_ideal_branch(const rsv_specular_path *path, uint32_t trail, 
 
 // ---- the branch of rough lobes --------------------------------------------------------------------
 
-/// What a rough surface draws.
+/// Random numbers of a rough surface.
 typedef struct rsv_rough_numbers {
     float kept, light[3], direction[3], sky[3];
 } rsv_rough_numbers;
@@ -88,7 +89,7 @@ RSV_INLINE rsv_rough_numbers rsv_rough_numbers_of(uint32_t trail, uint32_t trian
 /// Rough lobes are looked at as often as they are this many times the diffuse one's share.
 #define RSV_ROUGH_WORTH 10
 
-/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one, to the eye, are not worth two rays
+/// Probability of sampling rough lobes: wide ones that are faint compared with the diffuse lobe are not worth two rays
 /// each time.
 RSV_INLINE float rsv_rough_chance(
     const rsv_rough_surface *surface, const rsv_bsdf_branches *branches)
@@ -107,8 +108,8 @@ RSV_INLINE bool rsv_rough_goes_on(const rsv_bsdf_event *event)
     return specular && event->pdf_solid_angle > 0;
 }
 
-/// Whether the lobes of a rough surface that was seen are looked at; if so, it is lifted, and the path made up for those
-/// that are not. @param path in and out: the surface's from now on
+/// Whether the lobes of a rough surface that was seen are looked at; if so, it is lifted, and the path made up for
+/// those that are not. @param path in and out: the surface's from now on
 RSV_INLINE bool rsv_rough_arrive(rsv_specular_path *path, const rsv_rough_numbers *numbers,
     const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
 {

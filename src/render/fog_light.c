@@ -74,7 +74,7 @@ typedef struct march {
     const rsv_fog_segment *segment;
     rsv_fog_run run;
     rsv_rgb share; ///< of channels in the throughput
-    float even;    ///< share of the phase function: what voxels scatter
+    float even;    ///< fraction of the phase function that is isotropic, which voxels scatter
     rsv_fog_sink sink;
     void *user;
 } march;
@@ -84,7 +84,7 @@ static void add(const march *m, uint32_t order, rsv_rgb weight, rsv_rgb radiance
     m->sink(m->user, order, rgb_mul(m->segment->throughput, rgb_mul(weight, radiance)));
 }
 
-/// A voxel shines evenly: what it scatters is its radiance times what the piece takes from light that passes.
+/// A voxel has uniform radiance: it scatters this times the light that the piece removes.
 static void visit_voxel(void *user, uint32_t voxel, double begin, double end)
 {
     const march *m = user;
@@ -153,8 +153,8 @@ static rsv_equiangular angle_at(const march *m, uint32_t entry)
         m->run.begin, m->run.end);
 }
 
-/// A light with a place, and a distance at which it is scattered. Both are drawn in two ways: the distance as the fog takes
-/// light, and the light as it is seen from there; or the light by its power, and the distance by the angle at it.
+/// A light with a place, and a distance at which it is scattered. Both are drawn in two ways: the distance as the fog
+/// takes light, and the light as it is seen from there; or the light by its power, and the distance by the angle at it.
 typedef struct scattering {
     uint32_t entry;
     double distance;
@@ -166,7 +166,8 @@ static rsv_vec3 place_at(const march *m, double distance)
     return v3_mad(m->segment->ray.origin, (float)distance, m->segment->ray.direction);
 }
 
-/// Adds light of one source that is scattered at a place. @param density per metre, and of whatever else was drawn
+/// Adds light of one source that is scattered at a point. @param density per metre, and of everything else that was
+/// drawn
 static void add_scattered(const march *m, double distance, rsv_rgb fluence, double density)
 {
     rsv_rgb passed = rsv_fog_transmittance(m->fog, rsv_fog_column(&m->run, distance));
@@ -244,8 +245,8 @@ static void add_turned(const march *m, rsv_rgb weight, const rsv_ray *ray, rsv_r
     add(m, 3, weight, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
 }
 
-/// Light that the uneven part of the phase function turns into the path at a distance. In mode operator, straight from sources,
-/// too: mode final has it already. @param density per metre of the distance
+/// Light that the directional part of the phase function turns into the path at a distance. In mode operator, it
+/// includes light straight from sources, which mode final already has. @param density per metre of the distance
 static void add_uneven(const march *m, double distance, double density, rsv_random *random)
 {
     const rsv_fog *fog = m->fog;

@@ -4,20 +4,20 @@
 
 #include "../solve/light.h"
 
-/// Fluence that comes straight from sampled sources to a place in the fog: one sample of each. That of lights close by is
-/// averaged over the voxel.
+/// Fluence that comes straight from sampled sources to a place in the fog: one sample of each. That of lights close by
+/// is averaged over the voxel.
 rsv_rgb rsv_fog_fluence_sample(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
-/// Radiance of light that comes straight from sampled sources and is scattered to all sides alike at a place in the fog, where
-/// gather rays end (specular/fog_flight.h).
+/// Radiance of light straight from sampled sources that is scattered isotropically at a point in the fog, where a
+/// gather ray ends (specular/fog_flight.h).
 rsv_rgb rsv_fog_scattered_sample(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
-/// Radiance that the fog emits at a place and scatters of what is stored there.
-/// @param skip_sampled leave out what next-event estimation finds
+/// Radiance that the fog emits at a point, and scatters of stored light.
+/// @param skip_sampled without the light that next-event estimation finds
 rsv_rgb rsv_fog_stored_radiance(const rsv_light_view *light, rsv_vec3 place, bool skip_sampled);
 
-/// Radiance that a gather ray finds where it ends in fog: light of sampled sources, which is sampled, and all else as it is
-/// stored.
+/// Radiance that a gather ray finds where it ends in fog: sampled light of sampled sources, and stored light for the
+/// rest.
 rsv_rgb rsv_fog_radiance_at(const rsv_light_view *light, rsv_vec3 place, rsv_random *random);
 
 /// Takes light of one order: 0 = emitted, n = scattered n times since, the last one by the fog.
@@ -27,14 +27,15 @@ typedef void (*rsv_fog_sink)(void *user, uint32_t order, rsv_rgb radiance);
 typedef struct rsv_fog_segment {
     rsv_ray ray;        ///< of unit direction
     rsv_rgb throughput; ///< of the path up to it
-    float u[8];         ///< numbers in [0, 1) for what is sampled, in pairs
+    float u[8];         ///< numbers in [0, 1) for sampling, in pairs
     uint32_t seed;      ///< for further ones
     bool final;         ///< light scattered once is sampled; else it is looked up
-    bool by_order; ///< what is stored is handed over order by order; else all of it as of order 2
+    bool by_order; ///< stored light is passed on order by order; otherwise all of it as order 2
 } rsv_fog_segment;
 
-/// Hands over what the fog scatters and emits along a segment towards its beginning. Voxels are integrated in closed form.
-/// @return what the segment lets pass
+/// Passes on the light that the fog scatters and emits along a segment towards its start. Voxels are integrated in
+/// closed form.
+/// @return transmittance of the segment
 rsv_rgb rsv_fog_march(
     const rsv_light_view *light, const rsv_fog_segment *segment, rsv_fog_sink sink, void *user);
 

@@ -49,11 +49,11 @@ static void add_aimed(traveller *t, const rsv_rough_surface *surface, float chan
     add(t, rgb_scale(rsv_rough_light(surface, t->lights, t->shot, u), 1 / chance));
 }
 
-/// Draws what happens at the surface, and aims at sources where that is not the diffuse lobe.
+/// Draws the event at the surface, and samples sources for all but the diffuse lobe.
 static rsv_bsdf_event draw(traveller *t, const rsv_rough_surface *s)
 {
     float opacity = s->bsdf->opacity;
-    // what was aimed at was so past blended surfaces, too
+    // sources were sampled past blended surfaces too
     if (opacity < 1 && rsv_random_float(t->random) >= opacity)
         return rsv_event(RSV_LOBE_PASS, t->path.direction, rgb_gray(1));
     t->departure = (rsv_rough_departure){ .shot = t->shot };

@@ -1,23 +1,23 @@
-/// Gather specular paths that find, on their way over rough surfaces, what sources send there: light that no row of G holds, for
-/// receivers that no photon lands on.
+/// Gather paths that collect light of sources on rough surfaces on their way. No row of G contains this light; it is
+/// for receivers on which no photon lands.
 #ifndef RSV_LIT_GATHER_H
 #define RSV_LIT_GATHER_H
 
 #include "../sources/lights.h"
 #include "../specular/specular_path.h"
 
-/// What such paths have in common; borrowed.
+/// Data common to such paths; borrowed.
 typedef struct rsv_lit_setting {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     bool
-        shot; ///< leaves out what photons bring: emitters that are not gathered, suns and punctual lights
+        shot; ///< omit the light of photons: emitters that are not gathered, suns and punctual lights
 } rsv_lit_setting;
 
-/// Follows a specular path from its first surface to its diffuse end, drawing events by their probability. Emission of gathered
-/// groups counts wherever it is met, that of other sources behind specular surfaces: smooth ones lead there by chance, from
-/// rough ones sources are aimed at as well (rough_light.h).
-/// @return emission: what was found of sources, the sky included. Of an escaped specular path it holds all there is.
+/// Follows a specular path from its first surface to its diffuse end, drawing events by their probability. Emission of
+/// gathered groups counts wherever it is hit, that of other sources behind specular surfaces: smooth surfaces lead
+/// there by chance, and from rough ones sources are sampled too (rough_light.h).
+/// @return emission: light found of sources, the sky included. For an escaped path, it is all of the light.
 rsv_gather rsv_gather_lit(
     const rsv_lit_setting *setting, rsv_specular_path path, rsv_random *random);
 

@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 struct rsv_picture_series {
-    rsv_picture_job job; ///< all but what differs from picture to picture
+    rsv_picture_job job; ///< without what differs from picture to picture
     rsv_sky_visibility *visibility;
     rsv_shot_light *shot; ///< NULL = there is none
 };
@@ -72,7 +72,7 @@ static rsv_status render_rows(const rsv_picture_job *job)
     return result == RSV_OK ? unite_rows(job) : result;
 }
 
-/// All pixels alike, then those that are noisier than wanted again.
+/// Renders all pixels equally, and then the noisy ones again.
 static rsv_status render_passes(rsv_picture_job *job)
 {
     rsv_context *context = job->solution->context;

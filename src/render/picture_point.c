@@ -1,4 +1,4 @@
-/// What one place of a picture reads.
+/// Reading at one place of a picture.
 #include "../solve/light.h"
 #include "../trace/camera_ray.h"
 #include "resolvent/render.h"

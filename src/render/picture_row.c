@@ -39,14 +39,14 @@ static void aim(rsv_picture_row *r, uint32_t column, uint32_t sample, uint32_t s
         rsv_stratified_2d(sample, samples, seed, &x, &y);
     rsv_ray ray;
     bool sees = rsv_film_ray(&r->job->film, (float)column + x, (float)r->row + y, uv, &ray);
-    if (!sees) ray.t_max = -1; // traced by nobody
+    if (!sees) ray.t_max = -1; // not traced
     uint32_t k = batch->count++;
     batch->column[k] = column;
     batch->sample[k] = sample;
     rsv_packet_set_ray(&batch->packet, k, ray);
 }
 
-/// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.
+/// The solid angle of one sample, as an angle. Shared patterns get finer with every sample, for any final number.
 static float spread_of(const rsv_picture_row *r)
 {
     uint32_t samples = r->job->desc->shared_pattern ? r->sample.index + 1 : r->job->desc->samples;
@@ -92,7 +92,7 @@ rsv_rgb rsv_picture_cross_fog(
     return march(user, segment, throughput, trail, false);
 }
 
-/// The fog before what a camera ray sees. @param ray up to that @return what it lets pass
+/// The fog in front of a camera ray's hit. @param ray up to that @return its transmittance
 static rsv_rgb see_fog(rsv_picture_row *r, const rsv_ray *ray)
 {
     if (!r->job->setting.cross_fog || r->job->medium.depth) return rgb_gray(1);
@@ -106,7 +106,7 @@ static rsv_ray ray_of_lane(const rsv_ray_packet *p, uint32_t k)
         p->triangle[k] == RSV_NONE ? INFINITY : p->t_max[k] };
 }
 
-/// What the ray in lane k of the batch sees.
+/// Shades the ray in lane k of the batch.
 static void shade_ray(rsv_picture_row *r, uint32_t k)
 {
     const rsv_picture_job *job = r->job;

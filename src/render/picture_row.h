@@ -1,4 +1,4 @@
-/// A picture in the making, row by row: camera rays in packets, and what each pixel has seen.
+/// A picture in progress, row by row: camera rays in packets, and the results of each pixel.
 #ifndef RSV_PICTURE_ROW_H
 #define RSV_PICTURE_ROW_H
 
@@ -22,10 +22,10 @@ typedef struct rsv_picture_job {
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included
     float spread;         ///< of a camera ray: the angle of a pixel
-    rsv_sky sky;          ///< what lies beyond the scene
+    rsv_sky sky;          ///< beyond the scene
     rsv_camera_setting setting;
     uint32_t seed;          ///< of the pass
-    rsv_pixel_noise *noise; ///< [height * width] found by the first pass; NULL = nobody asks
+    rsv_pixel_noise *noise; ///< [height * width] of the first pass; NULL = not needed
     const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
     uint32_t before;        ///< camera rays per pixel that are in the image already
 } rsv_picture_job;
@@ -44,12 +44,12 @@ typedef struct rsv_picture_row {
     rsv_pixel_direct direct;
     rsv_picture_batch batch;
     uint32_t row;
-    // what rsv_camera_path's callback needs to know of the ray in hand
+    // data about the current ray for rsv_camera_path's callback
     uint32_t column;
     rsv_pixel_sample sample;
 } rsv_picture_row;
 
-/// @return RSV_ERROR_MEMORY: it has to be destroyed all the same
+/// @return RSV_ERROR_MEMORY: it must still be destroyed
 rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *row);
 void rsv_picture_row_destroy(rsv_picture_row *row);
 

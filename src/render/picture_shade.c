@@ -145,7 +145,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         rsv_rgb entered = rgb_scale(rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z)), 1 / (float)rays);
         if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, entered, &random);
         if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, entered, &random);
-        // of sources that fog has turned into the ray: nothing else was asked for
+        // of sources that fog has turned into the ray: only this was requested
         rsv_picture_add_light(
             r, r->column, 2, rgb_scale(rgb_mul(entered, gather.emission), RSV_PI));
     }

@@ -1,10 +1,10 @@
-/// What a camera ray of a picture sees of the solved light: stored, gathered once more, or left to its pixel.
+/// Solved light for a camera ray of a picture: stored, gathered once more, or left to its pixel.
 #ifndef RSV_PICTURE_SHADE_H
 #define RSV_PICTURE_SHADE_H
 
 #include "picture_row.h"
 
-/// Adds radiance to the picture and, where wanted, to the layer of its order: 0 = emission, 1 = direct.
+/// Adds radiance to the picture and, if requested, to the layer of its order: 0 = emission, 1 = direct.
 void rsv_picture_add_light(rsv_picture_row *row, uint32_t column, uint32_t order, rsv_rgb radiance);
 
 /// A diffuse surface seen by the camera: callback of rsv_camera_path. @param user the rsv_picture_row

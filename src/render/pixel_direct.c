@@ -4,13 +4,13 @@
 
 /// Shadow rays of a sample at most, the first included.
 #define MOST_RAYS 8
-/// What a camera ray costs, in shadow rays.
+/// Cost of a camera ray, in shadow rays.
 #define CAMERA_RAY_COST 5
 /// Samples whose light is this share of the brightest of their pixel, or less, are content with one.
 #define FAINT_SHARE 0.2f
-/// Pixels to either side that a pixel asks how noisy it is.
+/// Pixels on either side that a pixel uses to estimate its noise.
 #define NEIGHBOURS 2
-/// What a shadow ray of the pixel itself tells of what it sees, in shadow rays of its neighbours.
+/// Weight of a pixel's own shadow rays, relative to those of its neighbours.
 #define OWN_WORTH 4.0f
 
 rsv_status rsv_pixel_direct_begin(
@@ -66,7 +66,7 @@ static void push_spot(
         d->spot[d->spot_count++] = (rsv_direct_spot){ *path, weight, sample, d->term_count - 1 };
 }
 
-/// Asks for what an event of a term brings.
+/// Adds the shadow ray of a term's event.
 static void push_event(rsv_pixel_direct *d, size_t term, const rsv_next_event *event)
 {
     if (!rsv_next_event_asks(event)) return;
@@ -84,7 +84,7 @@ typedef struct direct_half {
 /// The half of a pixel's samples that one belongs to.
 static uint32_t half_of(uint32_t sample) { return sample & 1; }
 
-/// The sample as one of its half alone, which is drawn for without regard to the other.
+/// The sample within its half, which is stratified separately.
 static rsv_pixel_sample within_half(rsv_pixel_sample sample)
 {
     uint32_t half = half_of(sample.index);
@@ -92,7 +92,7 @@ static rsv_pixel_sample within_half(rsv_pixel_sample sample)
         rsv_hash2(sample.seed, 7 + half) };
 }
 
-/// A diffuse surface as sources light it. Not to be copied.
+/// A diffuse surface for light from sources. Must not be copied.
 typedef struct lit_point {
     rsv_receiver receiver;
     rsv_entrance entrance;
@@ -193,8 +193,8 @@ static void tally_rays(rsv_pixel_direct *d)
     }
 }
 
-/// Sum of the squared deviations of what the first shadow rays found: by visibility, as all else is known, and by which
-/// emitters the tree chose.
+/// Sum of squared deviations of the first shadow rays' results: by visibility, because everything else is known, and by
+/// the tree's choice of emitters.
 static float light_spread(const rsv_shadow_tally *t)
 {
     float share = t->asked ? t->seen / (float)t->asked : 0;
@@ -203,7 +203,7 @@ static float light_spread(const rsv_shadow_tally *t)
     return t->squares * f_max(share * (1 - share) - veiled, 0) + f_max(by_choice, 0);
 }
 
-/// What the neighbours of a pixel in its row found. @param spread out: what else is uncertain there; may be NULL
+/// Results of the neighbours of a pixel in its row. @param spread out: other uncertainty there; may be NULL
 static rsv_shadow_tally look_around(
     const rsv_pixel_direct *d, const rsv_pixel_noise *noise, uint32_t column, float *spread)
 {
@@ -262,8 +262,8 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
     trace_pending(d);
 }
 
-/// Visible share of the emitters for samples of one half, of which it knows nothing: by the other half, and by the pixel's
-/// neighbours, which count less. @return below 0 = unknown
+/// Visible fraction of the emitters for samples of one half, independent of that half: from the other half and, with
+/// less weight, the pixel's neighbours. @return below 0 = unknown
 static float share_seen(const direct_half *other, const rsv_shadow_tally *around)
 {
     float asked = OWN_WORTH * (float)other->asked + (float)around->asked;
@@ -342,7 +342,7 @@ rsv_rgb rsv_sampled_irradiance(
         rsv_punctual_irradiance_at(&lit.receiver, &lit.entrance, s->lights, s->tracer, u, &rays));
 }
 
-/// One sample of the emitters' light, and of what they would give without shadows the share that is stored.
+/// One sample of the emitters' light, and the stored fraction of their unshadowed light.
 static rsv_rgb seen_emitters(
     const rsv_light_view *s, const lit_point *lit, rsv_rgb stored, uint32_t seed)
 {

@@ -1,20 +1,20 @@
-/// Direct light per pixel by next-event estimation, with what is known in closed form as control variate.
+/// Direct light per pixel by next-event estimation, with closed forms as control variate.
 ///
-/// Sample i of a pixel finds the unshadowed contribution S_i, visible or not (V_i), and knows its exact
-/// mean A_i (Lambert's formula). The samples are dealt out to two halves, whose shadow rays are stratified within each half
-/// and independent between them. With a_i the mean visibility of the *other* half and of
-/// the neighbouring pixels in the row, which count less,
+/// Sample i of a pixel finds the unshadowed contribution S_i and its visibility V_i, and knows the exact mean A_i
+/// (Lambert's formula). The samples are divided into two halves, whose shadow rays are stratified within each half and
+/// independent between them. With a_i the mean visibility of the *other* half and, with less weight, of the
+/// neighbouring pixels in the row,
 ///
 ///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
-/// (C_i = S_i with the mean radiance of a textured emitter, whatever the coat lets through) is free of noise where
-/// all samples see the light, and unbiased: A_i - C_i is 0 on average, whatever the others have seen. (Samples that
-/// are stratified against sample i know where it is not, which is a bias of order 1 / samples.)
+/// (C_i = S_i with the mean radiance of a textured emitter, whatever the coat transmits) has no noise where all samples
+/// see the light, and is unbiased: A_i - C_i is 0 on average, independently of the others. (Samples stratified against
+/// sample i know where it is not, which is a bias of order 1 / samples.)
 ///
-/// Where sources are seen in part, samples send further shadow rays: as many as balance what such a ray costs against
-/// what a camera ray does, sqrt(variance of visibility / variance of all else * cost of a camera ray / of a shadow ray)
-/// (Bolin and Meyer 1997). The variances are those of the pixel's neighbours: one that asked its own samples would stop
-/// where they happen to agree, and be wrong on average.
+/// Where sources are partly visible, samples trace more shadow rays: the number that balances their cost against that
+/// of camera rays, sqrt(variance of visibility / variance of all else * cost of a camera ray / of a shadow ray) (Bolin
+/// and Meyer 1997). The variances are those of the pixel's neighbours: a pixel that used its own samples would stop
+/// where they happen to agree, and be biased.
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
 
@@ -23,13 +23,13 @@
 #include "pixel_noise.h"
 #include "pixel_sample.h"
 
-/// What one sample finds by its shadow rays to one source or, chosen among them, to all emitters.
+/// Result of one sample's shadow rays to one source or, chosen among them, to all emitters.
 typedef struct rsv_direct_term {
     uint32_t column, sample;
-    uint32_t rays, asked; ///< drawn; of these, to sources that A knows, not below the horizon
-    float seen, veiled;   ///< of those: what passes of each, and what passes times what does not
+    uint32_t rays, asked; ///< drawn; of these, to sources in A that are above the horizon
+    float seen, veiled;   ///< of those: sum of transmittances, and of transmittance times its complement
     float expected;       ///< luminance without occlusion, emitters in a tree by a rough estimate
-    rsv_rgb exact;        ///< A times the weight of the camera path, as all that follows
+    rsv_rgb exact;        ///< A times the weight of the camera path, like the following
     rsv_rgb arrived;      ///< sum of S V over the rays
     rsv_rgb control;      ///< sum of C over the rays
 } rsv_direct_term;
@@ -42,7 +42,7 @@ typedef struct rsv_direct_spot {
     size_t term;
 } rsv_direct_spot;
 
-/// What the terms of a pixel that may ask for more have found by their first shadow rays.
+/// Results of the first shadow rays, for the terms of a pixel that may need more.
 typedef struct rsv_shadow_tally {
     uint32_t terms, asked;
     float seen, veiled;
@@ -83,8 +83,8 @@ typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radia
 rsv_status rsv_pixel_direct_resolve(
     rsv_pixel_direct *direct, const rsv_pixel_noise *noise, rsv_pixel_direct_sink add, void *user);
 
-/// The same as one sample that is unbiased by itself, for a surface that a camera sees. @param stored what the solution has
-/// of it: where it is right and no shadow is near, there is no noise
+/// The same as one sample that is unbiased by itself, for a surface that a camera sees. @param stored the solution's
+/// value: where it is right and no shadow is near, there is no noise
 rsv_rgb rsv_seen_irradiance(
     const rsv_light_view *solution, const rsv_specular_path *path, rsv_rgb stored, uint32_t seed);
 

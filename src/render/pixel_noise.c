@@ -6,7 +6,7 @@ typedef struct noise_map {
     uint32_t width, height;
 } noise_map;
 
-/// Sum of squared deviations of the luminance of camera rays. Stratification makes their mean better than this tells.
+/// Sum of squared deviations of the luminance of camera rays. Stratification makes their mean better than this says.
 static float spread_of(const rsv_pixel_noise *n)
 {
     float direct = n->direct_squares - n->direct_sum * n->direct_sum / (float)n->count;

@@ -1,7 +1,7 @@
-/// How noisy pixels are, and how many more camera rays that calls for.
+/// Noise of pixels, and the number of further camera rays that it requires.
 ///
-/// Rays are given by the noise of a pixel's neighbours, not by its own: its mean then knows nothing of the number of its
-/// samples and stays what it is on average, whereas pixels that happen to look calm would keep what they missed.
+/// Rays are assigned by the noise of a pixel's neighbours, not its own, so that its mean does not depend on its number
+/// of samples. By their own noise, pixels that happen to look calm would keep what they missed.
 #ifndef RSV_PIXEL_NOISE_H
 #define RSV_PIXEL_NOISE_H
 
@@ -15,7 +15,7 @@ typedef struct rsv_pixel_noise {
     float direct_sum, direct_squares;
 } rsv_pixel_noise;
 
-/// Adds what one camera ray found but for its direct light.
+/// Adds the light of one camera ray, without direct light.
 RSV_INLINE void rsv_pixel_noise_add(rsv_pixel_noise *noise, float luminance)
 {
     noise->count++;
@@ -41,8 +41,9 @@ RSV_INLINE void rsv_pixel_noise_add_direct(rsv_pixel_noise *noise, float sum, fl
 /// @param image   its first layer is the picture after the first pass
 /// @param noise   [height * width] of that pass
 /// @param samples of each pixel in that pass
-/// @param wanted  standard error of a pixel's luminance, as a share of that around it (a tenth of the picture's mean
-///                counts as the least)
+/// @param wanted  target standard error of a pixel's luminance, relative to that around it, which counts as at least a
+/// tenth of the
+///                picture's mean
 /// @param extra   out, [height * width] camera rays
 void rsv_plan_samples(const rsv_image *image, const rsv_pixel_noise *noise, uint32_t samples,
     float wanted, uint32_t *extra);

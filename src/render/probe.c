@@ -22,8 +22,8 @@ typedef struct receiver {
     rsv_receiver at;
     rsv_medium medium;
     rsv_rgb
-        caustic; ///< stored, where the receiver lies on a surface; else of punctual lights alone
-    bool has_caustic; ///< it is what is stored
+        caustic; ///< stored, if the receiver is on a surface; otherwise only of punctual lights
+    bool has_caustic; ///< it is the stored one
     const rsv_probe_job *job;
     double variance; ///< of the luminance of `caustic`
     rsv_shared_noise shared;
@@ -54,7 +54,7 @@ static void find_surface(receiver *r)
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, path.back);
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[hit.triangle]];
-    // what is stored is the light that enters this surface: of use to receivers that lie flat on it
+    // stored light is that which enters this surface, and is useful for receivers that are flat on it
     if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->at.point.normal) < 0.999f)
         return;
     r->caustic =
@@ -159,7 +159,7 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
     }
 }
 
-/// Remembers what a ray has looked up, for the standard error.
+/// Records a ray's lookup, for the standard error.
 static void note_stored(
     receiver *r, const rsv_specular_path *end, uint32_t face, const rsv_bsdf *bsdf, rsv_rgb stored)
 {
@@ -174,7 +174,7 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->at.origin, direction, INFINITY };
-    // the stored caustic holds what photons bring
+    // the stored caustic includes the light of photons
     const rsv_lit_setting setting = { &s->scene, s->lights, r->has_caustic };
     rsv_gather gather = rsv_gather_lit_ray(&setting, &r->medium, &ray, random);
     rsv_rgb radiance = gather.emission;
@@ -194,8 +194,8 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
         note_stored(r, end, face, bsdf, diffused);
         return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
     }
-    // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
-    // reading. All further light is looked up.
+    // Direct light at the far end is sampled there, because what elements do not resolve must not affect a reading. All
+    // further light is looked up.
     rsv_rgb stored = rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
         rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
     note_stored(r, end, face, bsdf, stored);
@@ -235,7 +235,7 @@ static void summarise(const double value[GROUPS], float *mean, float *error)
         squares += square;
         fourths += square * square;
     }
-    // one over the number of events; that of values all alike but one is 1
+    // 1 / number of events; for equal values except one, it is 1
     double events = squares > 0 ? fourths / (squares * squares) : 0;
     double rare = RARE_EVENT * fmax(events - (double)NORMAL_KURTOSIS / GROUPS, 0);
     double variance = squares * (1 + rare) / (GROUPS * (GROUPS - 1.0));

@@ -1,4 +1,4 @@
-/// Readings at virtual receivers, one by one: what rsv_probe_irradiance makes in mode operator.
+/// Readings at virtual receivers, one by one: rsv_probe_irradiance in mode operator.
 #ifndef RSV_PROBE_GATHER_H
 #define RSV_PROBE_GATHER_H
 
@@ -13,7 +13,7 @@ typedef struct rsv_probe_job {
     uint32_t seed;
     bool gather_caustics; ///< all sources are large
     bool sources;         ///< light that next-event estimation finds is included
-    /// What mirrors and glass make of punctual lights, for receivers that no photon lands on; NULL = nothing, or left out.
+    /// Light of punctual lights through mirrors and glass, for receivers without photons; NULL = none, or omitted.
     const rsv_connections *connections;
     const rsv_stored_noise *noise; ///< enters standard errors; NULL = it does not
 } rsv_probe_job;
@@ -21,7 +21,7 @@ typedef struct rsv_probe_job {
 rsv_probe_job rsv_probe_job_of(
     const rsv_light_view *solution, uint32_t samples, uint32_t seed, bool sources);
 
-/// Where a gather ray of a reading ends: what arrives there counts by `weight`.
+/// The end of a gather ray of a reading: the light arriving there counts by `weight`.
 typedef struct rsv_probe_end {
     uint32_t triangle;
     float u, v;
@@ -30,12 +30,12 @@ typedef struct rsv_probe_end {
 } rsv_probe_end;
 
 /// Follows the rays of a reading once, for all lights of an operator. @param end [32 * gather_rays] out
-/// @param alone out: whether light is found on the way that the ends do not tell of (lamps, sky, translucent bodies): readings
-/// are to be taken light by light @return how many ends there are
+/// @param alone out: whether there is light on the way that the ends do not include (lamps, sky, translucent bodies),
+/// so that readings must be taken light by light @return number of ends
 size_t rsv_probe_ends(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index,
     rsv_probe_end *end, bool *alone);
 
-/// What sources and stored caustics give a reading, W/m2.
+/// Light of sources and stored caustics in a reading, W/m2.
 rsv_rgb rsv_probe_direct(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index);
 
 /// @param index of the reading's random numbers

@@ -8,12 +8,12 @@
 #define NORMALS 32
 #define HARMONICS RSV_PROBE_HARMONICS
 #define MOST_PROBES ((size_t)1 << 20)
-/// Without a spacing, so many probes along the longest side.
+/// Number of probes along the longest side, if no spacing is given.
 #define PROBES_ALONG 16
 /// A probe that sees more backs than this share is inside something.
 #define MOST_BACKS 0.25f
-/// Backs of double-sided surfaces may be a room's walls: one that sees more of them than this share is inside something if
-/// it receives less than this share of what surfaces do in the mean.
+/// Backs of double-sided surfaces may be a room's walls. A probe that sees more of them than this fraction is inside
+/// something if it receives less than this fraction of the mean of surfaces.
 #define MOST_DOUBLE_SIDED 0.75f
 #define DARK 0.01
 
@@ -90,7 +90,7 @@ static rsv_vec3 place_of(const rsv_probe_grid *g, size_t probe)
 
 typedef enum sight { SEES_ELSE, SEES_BACK, SEES_DOUBLE_SIDED_BACK } sight;
 
-/// What a ray from a probe meets: the back of something opaque, or anything else.
+/// The first hit of a ray from a probe: the back of something opaque, or anything else.
 static sight look(const rsv_probe_grid *g, rsv_vec3 from, rsv_vec3 direction)
 {
     const rsv_scene_view *view = g->solution->scene.view;

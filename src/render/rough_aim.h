@@ -1,13 +1,13 @@
-/// What rough surfaces on the way of a camera ray reflect of the gathered sky, as far as rows of G tell where it is seen:
-/// it is aimed at and met by chance, and the two are weighed by the power heuristic.
+/// Reflections of the gathered sky in rough surfaces on the way of a camera ray, where rows of G know its visibility:
+/// the sky is sampled and hit by chance, combined by the power heuristic.
 #ifndef RSV_ROUGH_AIM_H
 #define RSV_ROUGH_AIM_H
 
 #include "rough_light.h"
 #include "sky_aim.h"
 
-/// Where the surface aims at the gathered sky; nowhere if none is known to be seen.
-/// @param visibility NULL = none is
+/// Samples the gathered sky from the surface, unless no part of it is known to be visible.
+/// @param visibility NULL = unknown
 void rsv_rough_aim(
     const rsv_rough_surface *surface, const rsv_sky_visibility *visibility, rsv_sky_aim *aim);
 

@@ -6,7 +6,7 @@
 #include "../receiver/next_event.h"
 #include "../specular/specular_path.h"
 
-/// How a specular path left a rough surface, for what it meets next, past blended surfaces.
+/// How a specular path left a rough surface, for its next hit, past blended surfaces.
 typedef struct rsv_rough_departure {
     rsv_vec3 point,
         side; ///< of the surface; unit normal on the side that the specular path left to
@@ -16,11 +16,11 @@ typedef struct rsv_rough_departure {
         shot; ///< emitters that are not gathered, suns and punctual lights are left out: shot_light.h
 } rsv_rough_departure;
 
-/// A rough surface that a specular path has come to, as sources light it: what its textures make of it is looked up once.
+/// A rough surface on a specular path, for light from sources; its textures are looked up once.
 typedef struct rsv_rough_surface {
     const rsv_transport_scene *scene;
     const rsv_specular_path *path;
-    const rsv_bsdf *bsdf; ///< into the scene's, or `storage`: the surface is not to be copied
+    const rsv_bsdf *bsdf; ///< of the scene, or `storage`: the structure must not be copied
     rsv_bsdf storage;
     rsv_surface_point point;
     rsv_vec3 wo, normal;
@@ -34,7 +34,7 @@ typedef struct rsv_rough_surface {
 RSV_SHARED void rsv_rough_see(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *surface);
 
-/// Lifts what was seen to the curved surface, to be lit there (surface/lift.h).
+/// Lifts the point to the curved surface, for lighting (surface/lift.h).
 RSV_SHARED void rsv_rough_lift(rsv_rough_surface *surface);
 
 /// Both.
@@ -49,8 +49,8 @@ RSV_SHARED void rsv_rough_find_turns(rsv_rough_surface *surface);
 /// Whether the lobes of a rough surface are all so wide that a light path which ends there is likely to reach any eye.
 RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
 
-/// What the rough lobes make of light from unit direction `wi`: radiance at the specular path's start per irradiance on a
-/// surface that faces it.
+/// Response of the rough lobes to light from unit direction `wi`: radiance at the specular path's start per irradiance
+/// on a surface that faces it.
 RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3 wi);
 
 /// Radiance that the surface scatters towards the camera from sources aimed at.
@@ -63,7 +63,7 @@ RSV_SHARED rsv_rgb rsv_rough_light(
 RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *surface,
     const rsv_rough_surface *punctual, const rsv_lights *lights, bool shot, const float u[3]);
 
-/// Widens the lobes of a surface by what its normals vary across a footprint (Tokuyoshi and Kaplanyan 2019).
+/// Widens the lobes of a surface by the variation of its normals across a footprint (Tokuyoshi and Kaplanyan 2019).
 /// @param variance of the normals, sum over both directions, radian^2 @return whether that makes a difference
 RSV_SHARED bool rsv_rough_widen(rsv_rough_surface *surface, float variance);
 
@@ -79,12 +79,12 @@ RSV_SHARED rsv_rough_departure rsv_rough_depart(
 RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
     const rsv_lights *lights, const rsv_specular_path *path, const rsv_rough_departure *departure);
 
-/// Radiance of the sky that the specular path has left the scene to. What rough surfaces aim at is weighed part by part, as
-/// it is drawn; what is gathered counts in full.
+/// Radiance of the sky for a specular path that has left the scene. The parts that rough surfaces sample are weighted
+/// separately; the gathered part counts in full.
 RSV_SHARED rsv_rgb rsv_rough_sky(
     const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure);
 
-// ---- what these are made of ----------------------------------------------------------------------
+// ---- parts ---------------------------------------------------------------------------------------
 
 /// Response of the rough lobes about a normal; nothing where the normals disagree on wi's side.
 RSV_LARGE rsv_bsdf_value rsv_rough_respond_by(
@@ -155,7 +155,7 @@ RSV_INLINE rsv_response rsv_rough_aimed_response(
     return response;
 }
 
-/// One side of a rough surface as it receives light. Not to be copied.
+/// One side of a rough surface as a receiver of light. Must not be copied.
 typedef struct rsv_rough_side {
     rsv_receiver receiver; ///< by the normal that the lobes go by
     rsv_medium medium;

@@ -4,7 +4,7 @@
 #include "../trace/camera_ray.h"
 #include "rough_light.h"
 
-/// As many paths as camera rays, but a picture of a few pixels is still lit by so many.
+/// As many paths as camera rays, but at least this many for pictures of a few pixels.
 #define FEWEST_PATHS (1u << 16)
 
 struct rsv_shot_light {
@@ -31,7 +31,7 @@ typedef struct shot_job {
     const rsv_render_desc *desc;
     const rsv_medium *medium;
     rsv_lens lens;
-    float spread; ///< of a camera ray, as camera paths have it
+    float spread; ///< of a camera ray, as in camera paths
     rsv_image *image;
     splat_list *list; ///< [rsv_photon_slots]
 } shot_job;

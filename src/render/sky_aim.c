@@ -4,38 +4,43 @@
 
 /// A lobe's half vectors are spread by so much more over a square, about.
 #define SQUARE_ALPHA 0.05f
-/// Least cosine of what is seen: the middle of a square may lie below the horizon.
+/// Smallest cosine of a visible square: its centre may be below the horizon.
 #define LEAST_COSINE 0.02f
 
-/// A microsurface, its reflectance given by Schlick's approximation.
+/// A microsurface about a normal, its reflectance given by Schlick's approximation.
 typedef struct rough_lobe {
     float alpha2, normal_reflectance;
+    rsv_vec3 normal;
+    float cos_o;
 } rough_lobe;
 
-static rough_lobe lobe_of(float alpha, float reflectance)
+static rough_lobe lobe_of(float alpha, float reflectance, rsv_vec3 normal, rsv_vec3 wo)
 {
-    return (rough_lobe){ alpha * alpha + SQUARE_ALPHA * SQUARE_ALPHA, reflectance };
+    return (rough_lobe){ alpha * alpha + SQUARE_ALPHA * SQUARE_ALPHA, reflectance, normal,
+        v3_dot(normal, wo) };
 }
 
 /// @param lobe [3] @return their number
-static int find_lobes(const rsv_bsdf *bsdf, rough_lobe *lobe)
+static int find_lobes(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, rough_lobe *lobe)
 {
     int count = 0;
     float off = (bsdf->ior - 1) / (bsdf->ior + 1);
     float metal = bsdf->metallic * rgb_luminance(bsdf->base_color);
     float interface = (1 - bsdf->metallic) * rgb_luminance(bsdf->specular_tint) * off * off;
-    if (bsdf->alpha > 0) lobe[count++] = lobe_of(bsdf->alpha, metal + interface);
+    if (bsdf->alpha > 0) lobe[count++] = lobe_of(bsdf->alpha, metal + interface, n, wo);
     if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
-        lobe[count++] = lobe_of(bsdf->clearcoat_alpha, 0.04f * bsdf->clearcoat);
+        lobe[count++] = lobe_of(
+            bsdf->clearcoat_alpha, 0.04f * bsdf->clearcoat, rsv_bsdf_coat_normal(bsdf, wo, n), wo);
     rsv_rgb wide = rsv_bsdf_wide_layers_most(bsdf);
-    if (rgb_max(wide) > 0) lobe[count++] = lobe_of(1, rgb_luminance(wide));
+    if (rgb_max(wide) > 0) lobe[count++] = lobe_of(1, rgb_luminance(wide), n, wo);
     return count;
 }
 
-/// F D G1(wi): the response but for what depends on wo alone.
-static float reflect(const rough_lobe *lobe, float cos_o, float cos_i, float cos_oi)
+/// F D G1(wi): the response without the factors that depend only on wo.
+static float reflect(const rough_lobe *lobe, rsv_vec3 wi, float cos_oi)
 {
-    float chord2 = f_max(2 + 2 * cos_oi, 1e-6f), sum = cos_o + cos_i; // of wo + wi
+    float cos_i = f_max(v3_dot(wi, lobe->normal), LEAST_COSINE);
+    float chord2 = f_max(2 + 2 * cos_oi, 1e-6f), sum = lobe->cos_o + cos_i; // of wo + wi
     float cos2_n = f_min(sum * sum, chord2) / chord2; // of wi's height as it was raised
     float spread = 1 + (lobe->alpha2 - 1) * cos2_n;
     float cos_h = 0.5f * sqrtf(chord2), x = 1 - cos_h, x2 = x * x;
@@ -48,15 +53,15 @@ void rsv_sky_aim_at(const rsv_sky_visibility *visibility, const rsv_visible_sky 
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim)
 {
     rough_lobe lobe[3];
-    int lobes = find_lobes(bsdf, lobe);
-    float cos_o = v3_dot(wo, normal), sum = 0;
+    int lobes = find_lobes(bsdf, wo, normal, lobe);
+    float sum = 0;
     aim->square = visibility->square;
     aim->count = 0;
     for (uint32_t k = 0; visible && k < visible->count; k++) {
         const rsv_sky_square *square = &aim->square[visible->square[k]];
-        float cos_i = f_max(v3_dot(square->direction, normal), LEAST_COSINE), weight = 0;
+        float weight = 0;
         for (int l = 0; l < lobes; l++)
-            weight += reflect(&lobe[l], cos_o, cos_i, v3_dot(square->direction, wo));
+            weight += reflect(&lobe[l], square->direction, v3_dot(square->direction, wo));
         weight *= square->luminance;
         if (!(weight > 0)) continue;
         aim->choice[aim->count] = visible->square[k];

@@ -12,8 +12,8 @@ typedef struct rsv_sky_aim {
     float chance[RSV_MOST_VISIBLE_SQUARES]; ///< of each; they add up to 1
 } rsv_sky_aim;
 
-/// Weighs what is seen by its brightness and by what the surface makes of it, about.
-/// @param visible from rsv_sky_visibility_at, NULL = nothing
+/// Weights the visible sky by its brightness and, approximately, the surface's response.
+/// @param visible from rsv_sky_visibility_at, NULL = none
 /// @param wo, normal as in bsdf.h
 void rsv_sky_aim_at(const rsv_sky_visibility *visibility, const rsv_visible_sky *visible,
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim);

@@ -44,7 +44,7 @@ static void make_squares(const rsv_rgb *radiance, rsv_sky_square *square)
 
 // ---- places -------------------------------------------------------------------------------------
 
-/// Side of a cube, in distances wanted between nodes.
+/// Side of a cube, in requested distances between nodes.
 #define CUBE_SPACINGS 4
 /// Places whose squares are found together.
 #define BATCH 1024
@@ -85,7 +85,7 @@ static bool add_place(
     return *place != RSV_NONE;
 }
 
-/// Nodes that hang see about what the strongest of their parents sees.
+/// A hanging node sees about what its strongest parent sees.
 static uint32_t strongest_parent(const rsv_hanging *hanging)
 {
     uint32_t strongest = 0;
@@ -108,7 +108,8 @@ static rsv_status find_places(const rsv_light_view *s, rsv_sky_visibility *o)
     return RSV_OK;
 }
 
-/// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
+/// Visibility of the rows of a batch of places, over all processes. @param seen [BATCH][BINS] number of processes that
+/// saw it
 static void mark_batch(
     const rsv_light_view *s, const rsv_sky_visibility *o, uint32_t first, uint16_t (*seen)[BINS])
 {

@@ -1,8 +1,9 @@
-/// Where surfaces see the sky, as the rows of G have found it: for rough lobes, which would meet a window by chance.
+/// Visibility of the sky from surfaces, as found by the rows of G: for rough lobes, which would hit a window only by
+/// chance.
 ///
-/// Nodes that lie in one cube of a grid and face about the same way share what they see, so that it has few gaps where
-/// one row has few rays, along its surface. The sky is divided into squares of the octahedral map: the bins of escapes.h
-/// or, where more of them are seen than are kept, squares of two or four bins a side.
+/// Nodes in one cube of a grid that face about the same way share their visibility, so that there are few gaps where
+/// one row has few rays, along its surface. The sky is divided into squares of the octahedral map: the bins of
+/// escapes.h or, if more of them are visible than are stored, squares of two or four bins a side.
 #ifndef RSV_SKY_VISIBILITY_H
 #define RSV_SKY_VISIBILITY_H
 
@@ -13,8 +14,8 @@
 #define RSV_MOST_VISIBLE_SQUARES 160
 #define RSV_SKY_SQUARE_LEVELS 3
 
-/// A square, as it is drawn from: those of the two finer levels are larger than they are, so that what rays have missed
-/// between two others is aimed at.
+/// A square for sampling. Those of the two finer levels are enlarged, so that directions between two rays are sampled
+/// too.
 typedef struct rsv_sky_square {
     rsv_vec3 direction; ///< unit, of its middle
     float x, y;         ///< its middle in the octahedral map, away from the map's border
@@ -22,7 +23,7 @@ typedef struct rsv_sky_square {
     float luminance;    ///< mean of the gathered sky
 } rsv_sky_square;
 
-/// What is seen from one place.
+/// The sky visible from one place.
 typedef struct rsv_visible_sky {
     uint32_t count;
     uint16_t square[RSV_MOST_VISIBLE_SQUARES];
@@ -43,8 +44,8 @@ rsv_status rsv_sky_visibility_create(
     const rsv_light_view *solution, rsv_sky_visibility **visibility);
 void rsv_sky_visibility_destroy(rsv_sky_visibility *visibility);
 
-/// What is seen of the sky from the surface that a specular path has come to: as its nearest node has it or, where there are no
-/// elements, as those around do that face the same way. NULL = nothing is known.
+/// The sky visible from the surface of a specular path: that of its nearest node or, without elements, of those around
+/// that face the same way. NULL = unknown.
 /// @param point of the specular path
 const rsv_visible_sky *rsv_sky_visibility_at(const rsv_sky_visibility *visibility,
     const rsv_specular_path *path, const rsv_surface_point *point);

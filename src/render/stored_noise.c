@@ -3,7 +3,7 @@
 #include "../core/parallel.h"
 #include "../elements/curvature.h"
 
-/// Added to local levels, so that all that is left of them is this: departures come out as they are.
+/// Added to local levels, so that these become constant and deviations are absolute.
 #define FLOOR 1e12f
 /// Largest spectral radius that is believed: more would make any reading worthless.
 #define MOST_RADIUS 0.99
@@ -12,7 +12,7 @@
 typedef struct departures {
     const rsv_elements *elements;
     rsv_rgb *square; ///< [node_count] around each node, r: sum, g: how many
-    float *largest;  ///< [cell_count] of each cell's own edges; NULL = not asked for
+    float *largest;  ///< [cell_count] of each cell's own edges; NULL = not needed
 } departures;
 
 static void note(void *user, uint32_t cell, uint32_t other, float bend)
@@ -97,8 +97,9 @@ static void free_variance(rsv_context *context, rsv_field_noise *variance)
     rsv_free(context, variance->cell);
 }
 
-/// At the edge of a shadow only the cells that it crosses are wrong, and nodes average over many more. Where noise is all
-/// there is, the largest of three squares is twice their mean, and the larger of the two estimates up to half too large.
+/// At the edge of a shadow only the cells that it crosses are wrong, and nodes average over many more. Where noise is
+/// all there is, the largest of three squares is twice their mean, and the larger of the two estimates up to half too
+/// large.
 static double variance_at(
     const rsv_elements *e, const rsv_field_noise *variance, uint32_t face, float u, float v)
 {
@@ -114,7 +115,8 @@ static const rsv_elements *lit_elements(const rsv_light_view *s)
     return s->fine.direct ? s->fine.elements : s->elements;
 }
 
-/// Photons that a node of the coarse elements has caught, as its noise tells: hats count each by half, in the mean of squares.
+/// Number of photons that a node of the coarse elements has caught, from its noise: in the mean of squares, hat
+/// functions count each by half.
 static double photons_of(double variance, double light)
 {
     return variance > 0 ? 0.5 * light * light / variance : INFINITY;
@@ -122,12 +124,12 @@ static double photons_of(double variance, double light)
 
 typedef struct coarse_noise {
     const rsv_light_view *solution;
-    const rsv_rgb *coarse; ///< variance of what the coarse elements caught
-    rsv_rgb *variance;     ///< of what the fine ones caught: in and out
+    const rsv_rgb *coarse; ///< variance of photons on the coarse elements
+    rsv_rgb *variance;     ///< of photons on the fine ones: in and out
 } coarse_noise;
 
-/// Nodes with few photons are drawn towards what the coarse elements caught (rsv_photon_map_shrink), whose noise is seen on
-/// those alone.
+/// Nodes with few photons are blended towards the coarse elements (rsv_photon_map_shrink), whose noise is only visible
+/// on those.
 static void add_coarse_noise(void *user, rsv_span span)
 {
     const coarse_noise *job = user;
@@ -203,7 +205,7 @@ double rsv_stored_noise_at(
     return variance + rsv_elements_interpolate(s->elements, noise->stored, face, u, v).r;
 }
 
-/// What one node adds to the sums that it belongs to.
+/// Contribution of one node to its sums.
 typedef struct node_share {
     uint32_t sum;
     float amount; ///< with its sign
@@ -250,11 +252,11 @@ static double total_square(const float sum[RSV_NOISE_SUMS])
     return total;
 }
 
-/// What interpolation misses all over a scene alike, as a share of the light: departures of either sign do not show it.
+/// Error of interpolation that is the same all over a scene, relative to the light: deviations of either sign do not
+/// show it.
 #define COMMON_ERROR 1e-3
 
-/// Beside what the first reflection takes from the nodes it comes from, the further ones take their share from all of them
-/// alike.
+/// The first reflection uses the nodes it comes from; further ones use all nodes equally.
 double rsv_shared_noise_variance(const rsv_shared_noise *sums, const rsv_stored_noise *noise)
 {
     double further = noise->reflected * sums->all;

@@ -1,9 +1,9 @@
-/// How uncertain a solution's stored light is, and what of that enters a reading: what all readings share, and no
-/// randomisation of theirs can show.
+/// Uncertainty of a solution's stored light, and its effect on a reading: the part that all readings share, which their
+/// randomisations cannot show.
 ///
-/// Nodes are found independently, but for what few photons leave of a caustic. How a field departs from planes across the
-/// edges of its cells therefore shows both the noise of nodes and the curvature that interpolation misses: of four nodes with
-/// variance v that departure has the variance 4 v.
+/// Nodes are computed independently, except caustics with few photons. The deviation of a field from planes across the
+/// edges of its cells therefore shows both the noise of nodes and the curvature that interpolation misses: for four
+/// nodes with variance v, that deviation has the variance 4 v.
 #ifndef RSV_STORED_NOISE_H
 #define RSV_STORED_NOISE_H
 
@@ -21,7 +21,7 @@ typedef struct rsv_stored_noise {
         stored; ///< [node_count] r: variance of the luminance of indirect and gathered light; constrained
     rsv_field_noise caustic; ///< of the caustic level
     rsv_field_noise direct;  ///< of direct light, on the elements that hold it
-    double coarse;    ///< area-weighted mean of the variance of all that the coarse elements hold
+    double coarse;    ///< area-weighted mean of the variance of everything on the coarse elements
     double reflected; ///< light after further reflections over that of the first: rho / (1 - rho)
     double nodes;     ///< that share it
 } rsv_stored_noise;
@@ -31,13 +31,14 @@ rsv_status rsv_stored_noise_create(
     const rsv_light_view *solution, bool direct, rsv_stored_noise *noise);
 void rsv_stored_noise_destroy(rsv_stored_noise *noise);
 
-/// Variance of the luminance of what lookups find at a point.
-/// @param caustic whether the caustic alone is asked for
+/// Variance of the luminance of lookups at a point.
+/// @param caustic of the caustic only
 double rsv_stored_noise_at(
     const rsv_stored_noise *noise, uint32_t face, float u, float v, bool caustic);
 
-/// Sums over all rays of one reading. A reading that gets the share a of its light from node j has the variance sum a^2 v: nodes
-/// are dealt out to a few sums with random signs, which have the same expectation (Charikar, Chen and Farach-Colton 2002).
+/// Sums over all rays of one reading. A reading that gets the share a of its light from node j has the variance sum a^2
+/// v: nodes are dealt out to a few sums with random signs, which have the same expectation (Charikar, Chen and
+/// Farach-Colton 2002).
 #define RSV_NOISE_SUMS 256
 
 typedef struct rsv_shared_noise {

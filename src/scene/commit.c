@@ -114,7 +114,7 @@ static rsv_status find_varying_materials(rsv_scene *scene)
     return RSV_OK;
 }
 
-/// A cut-out surface that is the same all over is there or not; what is there lets nothing through, however opaque it is called.
+/// A uniform cut-out surface is either completely there or not. If it is there, it is opaque, whatever its opacity.
 static void fill_cut_outs(rsv_scene *scene)
 {
     for (size_t k = 0; k < scene->material_count; k++) {

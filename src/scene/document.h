@@ -1,5 +1,5 @@
-/// The file that a scene came from, with all that it refers to, for those who write it back with something added. Kept beside
-/// the scene, which does not look into it.
+/// The file that a scene was loaded from, with all files it refers to, for writing it again with additions. The scene
+/// keeps it, but does not read it.
 #ifndef RSV_DOCUMENT_H
 #define RSV_DOCUMENT_H
 

@@ -5,8 +5,8 @@
 #include "scene.h"
 #include "tree_ray.h"
 
-/// Rays from a lamp, and how often each is reflected at random: what leaves by no more than the 256th part of a sphere, or
-/// not within some reflections, is none to speak of.
+/// Rays per lamp, and maximum number of random reflections. Openings smaller than 1/256 of the sphere, or found only
+/// after more reflections, are ignored.
 #define RAYS 256
 #define REFLECTIONS 6
 /// Places on an emissive object that rays are sent from, at most.
@@ -26,9 +26,9 @@
 typedef struct search {
     const rsv_scene_view *view;
     const rsv_twin_tree *tree;
-    float size, limit;  ///< of the scene, and of what is no room; metres
+    float size, limit;  ///< size of the scene, and size below which a body is not a room; metres
     rsv_vec3 low, high; ///< of the places that light was followed to
-    bool reflected;     ///< some of it; else it met backs alone
+    bool reflected;     ///< some light was reflected; otherwise it hit only backs
     uint32_t object;    ///< that light met first, by majority (Boyer and Moore 1991)
     int votes;
 } search;
@@ -70,7 +70,7 @@ static rsv_vec3 random_around(rsv_vec3 normal, uint32_t stream, uint32_t k)
 /// A coordinate of a place on a triangle, moved inwards: from its edge, rays would pass the wall that stands there.
 static float inner(float u) { return u + 1e-3f * (1 / 3.0f - u); }
 
-/// Follows light from a lamp. @return whether it may stay close to the lamp, as far as this ray can tell
+/// Follows light from a lamp. @return whether it may stay near the lamp, as far as this ray shows
 static bool stays(search *s, rsv_ray ray, uint32_t index)
 {
     const rsv_scene_view *view = s->view;
@@ -108,7 +108,7 @@ static bool has_camera(const search *s)
     return false;
 }
 
-/// Whether what light gets to is a room rather than a body: one looks at it, or there is much in it.
+/// Whether the space that light reaches is a room and not a body: it contains a camera or many objects.
 static bool is_room(const search *s)
 {
     const rsv_scene_view *view = s->view;
@@ -132,7 +132,7 @@ static void begin(search *s, rsv_vec3 place)
     s->votes = 0;
 }
 
-/// What met backs alone is dark whatever its size.
+/// A space with only backs around it is dark, whatever its size.
 static bool is_enclosed(const search *s) { return !s->reflected || (!is_large(s) && !is_room(s)); }
 
 static bool is_light_enclosed(search *s, const rsv_punctual_light *light)

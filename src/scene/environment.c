@@ -1,4 +1,4 @@
-/// The surroundings: taking over their picture, whatever is in it.
+/// Environments: checks and copies their images.
 #include "../core/vec.h"
 #include "scene.h"
 
@@ -34,7 +34,7 @@ static rsv_status check_environment(const rsv_environment *environment, const ch
     return RSV_OK;
 }
 
-/// What a saturated pixel is taken for: the brightest value that was recorded.
+/// Value of a saturated pixel: the highest value in the image.
 static float largest_recorded(const rsv_environment *environment)
 {
     const float *value = &environment->pixels[0].r;
@@ -44,7 +44,7 @@ static float largest_recorded(const rsv_environment *environment)
     return largest;
 }
 
-/// Pixels that cannot be taken as they are, by what is the matter with them.
+/// Pixels that need repair, by kind of fault.
 typedef struct repairs {
     size_t missing;    ///< negative, infinite or not a number
     size_t too_bright; ///< finite, but above LARGEST_RADIANCE

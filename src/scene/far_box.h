@@ -1,4 +1,4 @@
-/// Bounds of coordinates in double, and what is to be taken out of them where they lie far from the origin.
+/// Bounds of coordinates in double precision, and the origin to subtract if they are far from 0.
 #ifndef RSV_FAR_BOX_H
 #define RSV_FAR_BOX_H
 
@@ -11,11 +11,11 @@ typedef struct rsv_far_box {
 rsv_far_box rsv_far_nothing(void);
 void rsv_far_enclose(rsv_far_box *box, const double point[3]);
 
-/// Whether all that the box holds lies so far from the origin, for its size, that single precision would lose digits of it.
+/// Whether the box is so far from the origin, relative to its size, that single precision would lose digits.
 bool rsv_is_far(const rsv_far_box *box);
 
-/// A round place near the centre of what lies far away: whole tens or hundreds of metres say the same to everybody. All 0 if
-/// it does not.
+/// A round origin near the centre of the box, in whole tens or hundreds of metres, so that similar files get the same
+/// one. All 0 if the box is not far from 0.
 void rsv_far_origin(const rsv_far_box *box, double origin[3]);
 
 #endif

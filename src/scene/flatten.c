@@ -194,8 +194,9 @@ cleanup:
     return status;
 }
 
-/// The output vertex for one corner: shared where the mesh's normal is on the geometric side, split off with the geometric
-/// normal where it is not. Which corners these are depends on the pose, so nothing is shared where the mesh deforms.
+/// The output vertex for one corner: shared where the mesh's normal is on the geometric side, split off with the
+/// geometric normal where it is not. Which corners these are depends on the pose, so nothing is shared where the mesh
+/// deforms.
 static rsv_status emit_corner(flattener *f, uint32_t vertex, rsv_vec3 geometric, uint32_t *id)
 {
     bool faces = v3_dot(f->normal[vertex], geometric) > 0;
@@ -258,7 +259,7 @@ static bool is_flat(const rsv_mesh *mesh)
     return height <= FLAT_HEIGHT * size;
 }
 
-/// Takes note of an object whose corners single precision no longer tells apart well. @param name of the node
+/// Records an object whose corners single precision hardly distinguishes. @param name of the node
 static void judge_place(flattener *f, const rsv_mesh *mesh, const char *name)
 {
     rsv_vec3 low = f->position[0], high = low;
@@ -273,7 +274,7 @@ static void judge_place(flattener *f, const rsv_mesh *mesh, const char *name)
     f->coarse_reach = reach;
 }
 
-/// Where all lies far away, an origin was taken out, and what is left was named.
+/// After an origin was subtracted because everything is far away, the objects left behind have been named already.
 static void report_coarse(const flattener *f)
 {
     const rsv_scene *scene = f->scene;

@@ -1,4 +1,4 @@
-/// Fog: what it may be, and the box that it fills.
+/// Fog: checks its values and finds its box.
 #include "../core/vec.h"
 #include "restore.h"
 #include "scene.h"
@@ -27,7 +27,7 @@ static rsv_status refuse_color(const char *what, rsv_rgb value, const char *rang
         (double)value.r, (double)value.g, (double)value.b, range);
 }
 
-/// Without extinction nothing dims what a long path gathers.
+/// Without extinction, nothing limits the emission collected along a long path.
 static bool emits_without_extinction(const rsv_fog *fog)
 {
     return (fog->emission.r > 0 && fog->extinction.r == 0) ||

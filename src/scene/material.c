@@ -32,7 +32,7 @@ rsv_material rsv_default_material(void)
     return material;
 }
 
-/// Clamps to [low, high]; what is not a number becomes `fallback`. True if it was out of range.
+/// Clamps to [low, high]; NaN becomes `fallback`. True if it was out of range.
 static bool clamp(float *value, float low, float high, float fallback)
 {
     float clamped = isnan(*value) ? fallback : fminf(fmaxf(*value, low), high);

@@ -1,12 +1,12 @@
-/// What a textured material is at a point, and what it is on the whole.
+/// A textured material at a point, or its mean.
 ///
-/// `width` says how finely a point is looked at: the edge of the patch, in metres, that the answer is the mean
-/// of. 0 = the point itself; INFINITY = all of each texture. Textures are looked up on the level of their pyramid
-/// whose texels are that large.
+/// `width` is the size of the patch to average over, in metres: 0 = the point itself; INFINITY = the whole of each
+/// texture. Textures are looked up in the mip level whose texels have that size.
 #ifndef RSV_MATERIAL_AT_H
 #define RSV_MATERIAL_AT_H
 
 #include "../core/vec.h"
+#include "coat_normal.h"
 #include "resolvent/scene.h"
 
 /// Flags of rsv_scene_view.material_varies.
@@ -19,7 +19,7 @@
 RSV_SHARED rsv_material rsv_material_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
 
-/// Its base color alone, without the colours of vertices.
+/// Only its base colour, without vertex colours.
 RSV_SHARED rsv_rgb rsv_base_color_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
 
@@ -29,13 +29,14 @@ rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material);
 /// The first material that is cut out where its texture says so (alpha_cutoff); NULL = there is none.
 const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene);
 
-/// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
+/// Keeps surfaces whose opacity equals the cutoff, in spite of the rounding of products and interpolation.
 #define RSV_CUTOFF_SHARE (1 - 1e-6f)
 
 /// Whether a ray that meets the triangle there goes on because the surface is cut out.
 RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 
-/// Whether light passes surfaces of a material straight on, in part: alpha-blended ones, but for those of bodies.
+/// Whether surfaces of a material transmit part of the light straight through: alpha-blended ones, except on solid
+/// bodies.
 RSV_INLINE bool rsv_is_blended(const rsv_scene_view *scene, uint32_t material)
 {
     const rsv_material *m = &scene->material[material];
@@ -62,19 +63,23 @@ RSV_SHARED float rsv_left_of_cut_out(
 RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
 
-/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, or set 0 as it stands.
+/// The same of the clear coat, whatever the map below it.
+RSV_SHARED rsv_vec3 rsv_mapped_coat_normal(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
+
+/// The texture whose coordinates tangents follow: the normal map's, or else the anisotropy's, the clear coat's, or set 0 as
+/// it stands.
 RSV_INLINE rsv_texture_ref rsv_tangent_ref(const rsv_material *m)
 {
     rsv_texture_ref ref = { RSV_TEXTURE_NORMAL, 0, 0, { { 1, 0, 0 }, { 0, 1, 0 } }, 1 };
-    for (size_t i = 0; i < m->texture_count; i++) {
-        if (m->textures[i].role == RSV_TEXTURE_ANISOTROPY) ref = m->textures[i];
-        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return m->textures[i];
-    }
-    return ref;
+    const rsv_texture_ref *found = rsv_find_texture(m, RSV_TEXTURE_NORMAL);
+    if (!found) found = rsv_find_texture(m, RSV_TEXTURE_ANISOTROPY);
+    if (!found) found = rsv_find_texture(m, RSV_TEXTURE_CLEARCOAT_NORMAL);
+    return found ? *found : ref;
 }
 
-/// Where highlights of metal are stretched to: the tangent there, turned by `rotation` radians; unit, or zero if texture
-/// coordinates and tangents tell none.
+/// Direction in which highlights of metal are stretched: the tangent, rotated by `rotation` radians; unit, or zero if
+/// there are neither texture coordinates nor tangents.
 RSV_SHARED rsv_vec3 rsv_brush_direction(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float rotation);
 

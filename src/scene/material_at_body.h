@@ -89,7 +89,8 @@ RSV_SHARED rsv_material rsv_material_at(
     uint32_t index = scene->triangle_material[triangle];
     rsv_material m = scene->material[index];
     for (size_t i = 0; i < m.texture_count; i++)
-        if (m.textures[i].role != RSV_TEXTURE_NORMAL)
+        if (m.textures[i].role != RSV_TEXTURE_NORMAL &&
+            m.textures[i].role != RSV_TEXTURE_CLEARCOAT_NORMAL)
             rsv_material_multiply(&m, m.textures[i].role,
                 rsv_texture_at(scene, &m.textures[i], triangle, u, v, width));
     if (scene->material_varies[index] & (RSV_VARIES_BY_COLOR | RSV_VARIES_BY_OPACITY)) {
@@ -99,7 +100,7 @@ RSV_SHARED rsv_material rsv_material_at(
         m.base_color = rgb_mul(m.base_color, color);
         m.opacity *= rsv_vertex_color(scene, corner, u, v, 3);
     }
-    if (m.alpha_cutoff > 0) m.opacity = 1; // rays meet what is left of a cut-out surface only
+    if (m.alpha_cutoff > 0) m.opacity = 1; // rays only hit the remaining parts of a cut-out surface
     return m;
 }
 
@@ -116,7 +117,7 @@ RSV_SHARED rsv_rgb rsv_base_color_at(
     return color;
 }
 
-/// What textures and vertices make of the opacity.
+/// The opacity, multiplied by textures and vertex colours.
 RSV_INLINE float rsv_varied_opacity(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
 {
@@ -201,26 +202,35 @@ RSV_INLINE bool rsv_tangent_frame(const rsv_scene_view *scene, const rsv_texture
     return true;
 }
 
-RSV_INLINE const rsv_texture_ref *rsv_find_normal_map(const rsv_material *m)
+/// @param normal the interpolated one
+RSV_INLINE rsv_vec3 rsv_normal_by_map(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    uint32_t triangle, const float at[2], float width, rsv_vec3 normal)
 {
-    for (size_t i = 0; i < m->texture_count; i++)
-        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return &m->textures[i];
-    return NULL;
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_vec3 frame[2] = { normal };
+    if (!ref || !rsv_tangent_frame(scene, ref, corner, at, frame)) return normal;
+    rsv_texel texel = rsv_texture_at(scene, ref, triangle, at[0], at[1], width);
+    float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
+    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, frame[0]), y, frame[1]);
+    return v3_length(mapped) > 0 ? v3_normalize(mapped) : normal;
 }
 
 RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal)
 {
-    const rsv_texture_ref *ref =
-        rsv_find_normal_map(&scene->material[scene->triangle_material[triangle]]);
-    const uint32_t *corner = scene->triangle[triangle];
-    rsv_vec3 frame[2] = { normal };
+    const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
     const float at[2] = { u, v };
-    if (!ref || !rsv_tangent_frame(scene, ref, corner, at, frame)) return normal;
-    rsv_texel texel = rsv_texture_at(scene, ref, triangle, u, v, width);
-    float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
-    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, frame[0]), y, frame[1]);
-    return v3_length(mapped) > 0 ? v3_normalize(mapped) : normal;
+    return rsv_normal_by_map(
+        scene, rsv_find_texture(m, RSV_TEXTURE_NORMAL), triangle, at, width, normal);
+}
+
+RSV_SHARED rsv_vec3 rsv_mapped_coat_normal(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal)
+{
+    const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
+    const float at[2] = { u, v };
+    return rsv_normal_by_map(
+        scene, rsv_find_texture(m, RSV_TEXTURE_CLEARCOAT_NORMAL), triangle, at, width, normal);
 }
 
 // ---- brushed metal ------------------------------------------------------------------------------

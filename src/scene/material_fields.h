@@ -1,13 +1,13 @@
-/// The fields of rsv_material, as facts that all code goes by: defaults and ranges, operator files, glTF files both ways and
-/// textures at points are made of these lists. For device code too.
+/// Lists of the fields of rsv_material, from which the rest of the code is generated: defaults and ranges, operator
+/// files, reading and writing glTF, and textures at points. Also for device code.
 #ifndef RSV_MATERIAL_FIELDS_H
 #define RSV_MATERIAL_FIELDS_H
 
 #include "resolvent/scene.h"
 
-/// NUMBER(field, channels, usual, low, high, extension, key): values between `low` and `high`, `usual` where nothing is said; in
-/// glTF the number or colour `key` of `extension`. RSV_IN_EXTRAS: of "extras": { "resolvent": ... }; NULL: code of its own.
-/// FLAG(field). In the order of operator files.
+/// NUMBER(field, channels, usual, low, high, extension, key): values between `low` and `high`, `usual` where nothing is
+/// said; in glTF the number or colour `key` of `extension`. RSV_IN_EXTRAS: of "extras": { "resolvent": ... }; NULL:
+/// code of its own. FLAG(field). In the order of operator files.
 #define RSV_MATERIAL_FIELDS(NUMBER, FLAG)                                                          \
     NUMBER(base_color, 3, 1, 0, 1, NULL, NULL)                                                     \
     NUMBER(metallic, 1, 0, 0, 1, NULL, NULL)                                                       \
@@ -47,8 +47,9 @@
     NUMBER(alpha_cutoff, 1, 0, 0, RSV_MOST_OF_MATERIAL, NULL, NULL)                                \
     NUMBER(camera_emission, 1, 1, 0, 1, RSV_IN_EXTRAS, "camera_emission")
 
-/// TEXTURE(role, field, channel, srgb, extension, key): the field is multiplied by `channel` (r, g, a or rgb) of a texture with
-/// RSV_TEXTURE_##role, in glTF `key` of `extension`. Textures that do more have code of their own (base colour, normals, ...).
+/// TEXTURE(role, field, channel, srgb, extension, key): the field is multiplied by `channel` (r, g, a or rgb) of a
+/// texture with RSV_TEXTURE_##role, in glTF `key` of `extension`. Textures that do more have code of their own (base
+/// colour, normals, ...).
 #define RSV_MATERIAL_TEXTURES(TEXTURE)                                                             \
     TEXTURE(SPECULAR, specular, a, false, "KHR_materials_specular", "specularTexture")             \
     TEXTURE(SPECULAR_COLOR, specular_color, rgb, true, "KHR_materials_specular",                   \

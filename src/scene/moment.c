@@ -12,7 +12,7 @@ static rsv_status copy_refs(rsv_context *context, const rsv_material *from, rsv_
     return RSV_OK;
 }
 
-/// Materials are within their ranges already, and textures know who uses them.
+/// Materials are already within their ranges, and textures know the materials that use them.
 static rsv_status copy_materials(rsv_scene *scene, const rsv_scene *rest)
 {
     rsv_status status = RSV_OK;
@@ -53,7 +53,7 @@ cleanup:
     return status;
 }
 
-/// Else the view would follow whatever moves.
+/// Otherwise the view would depend on what moves.
 rsv_status rsv_scene_end_moment(rsv_scene *scene)
 {
     const rsv_scene *rest = scene->rest;

@@ -1,15 +1,15 @@
-/// A scene at another moment of an animation: what does not move, it shares with the scene at rest.
+/// A scene at another time of an animation. It shares everything that does not move with the scene at rest.
 #ifndef RSV_SCENE_MOMENT_H
 #define RSV_SCENE_MOMENT_H
 
 #include "scene.h"
 
-/// Gives an empty scene the materials of a committed one, in the same order, and its textures, which stay that scene's. Both
-/// have the same origin, and if the scene at rest was given a camera of its own, they have that in common too.
+/// Gives an empty scene the materials of a committed one, in the same order, and its textures, which stay that scene's.
+/// Both have the same origin, and if the scene at rest was given a camera of its own, they have that in common too.
 /// @param rest outlives it
 rsv_status rsv_scene_begin_moment(rsv_scene *scene, const rsv_scene *rest);
 
-/// Once all else was added, before commit.
+/// Call it after everything has been added, before commit.
 rsv_status rsv_scene_end_moment(rsv_scene *scene);
 
 #endif

@@ -195,7 +195,7 @@ static bool is_vertex_moved(const rsv_scene *a, const rsv_scene *b, uint32_t ver
            (a->tangent && !is_same_number(a->tangent[vertex], b->tangent[vertex], 4));
 }
 
-/// Corners of an object that tell its pose: two that lie far apart, and one far from both.
+/// Corners that determine the pose of an object: two that are far apart, and one that is far from both.
 typedef struct pose_corners {
     uint32_t vertex[3];
 } pose_corners;

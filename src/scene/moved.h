@@ -1,4 +1,4 @@
-/// The same surfaces elsewhere: what of a scene is not where it is in another version of it.
+/// Differences between two versions of a scene: the parts whose positions differ.
 #ifndef RSV_SCENE_MOVED_H
 #define RSV_SCENE_MOVED_H
 
@@ -11,15 +11,15 @@ typedef struct rsv_scene_difference {
     bool lights_moved; ///< punctual lights shine from elsewhere, or otherwise
 } rsv_scene_difference;
 
-/// Compares two versions. RSV_ERROR_UNSUPPORTED, and a message that says why, where the second has other triangles, objects,
-/// materials or lights than the first: it must be solved anew.
-/// @param difference out; `moved` is to be freed, even after an error
+/// Compares two versions. RSV_ERROR_UNSUPPORTED, with a message that says why, if they differ in triangles, objects,
+/// materials or lights, so that the second must be solved from scratch.
+/// @param difference out; free `moved`, also after an error
 rsv_status rsv_scene_find_moved(
     const rsv_scene *scene, const rsv_scene *version, rsv_scene_difference *difference);
 
-/// Takes over the places of all vertices, punctual lights and cameras of a version that was compared with it. Bounds and what
-/// lies upon each other are found by rsv_scene_update_bounds.
-/// @param variant with vertices and normals of its own (variant.h)
+/// Copies the positions of all vertices, punctual lights and cameras from a version that was compared with this one.
+/// Call rsv_scene_update_bounds afterwards to update bounds and duplicate faces.
+/// @param variant with its own vertices and normals (variant.h)
 void rsv_scene_take_places(rsv_scene *variant, const rsv_scene *version);
 
 #endif

@@ -1,5 +1,5 @@
-/// Scenes far from their origin, as maps have them: single precision leaves few digits there. What all have in common is
-/// taken out, once, before anything becomes a float; rsv_scene_view.origin keeps it for whoever writes coordinates.
+/// Scenes far from their origin, such as maps, where single precision leaves few digits. A common origin is subtracted
+/// once, before anything is converted to float; rsv_scene_view.origin keeps it for code that writes coordinates.
 #include "../core/vec.h"
 #include "far_box.h"
 #include "scene.h"
@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its 24
-/// binary digits.
+/// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its
+/// 24 binary digits.
 #define FAR_SIZES 64
 /// Numbers of single precision lie apart by this part of their size at most.
 #define SPACING 0x1p-23
-/// What the size of a scene may be divided into at the least, where it is to look right.
+/// Smallest detail relative to the size of a scene that must look right.
 #define FEW_DIGITS (1e3 * SPACING)
 
 rsv_far_box rsv_far_nothing(void)
@@ -64,7 +64,7 @@ static rsv_far_box mesh_bounds(const rsv_mesh *mesh)
     return b;
 }
 
-/// Adds the corners of a mesh's bounds, where an instance has them. What is not finite is refused later.
+/// Adds the corners of a mesh's bounds, as an instance places them. Non-finite values are refused later.
 static void add_instance(const rsv_far_box *mesh, const double m[16], rsv_far_box *all)
 {
     for (int corner = 0; corner < 8; corner++) {
@@ -153,7 +153,7 @@ static int compare_distances(const void *left, const void *right)
     return (a->order > b->order) - (a->order < b->order);
 }
 
-/// The place along an axis that halves the weight. Orders the places anew.
+/// The coordinate along an axis that divides the weight into halves. Reorders the places.
 static double median(placed_box *place, size_t count, int axis, double weight)
 {
     double sum = 0;
@@ -166,9 +166,10 @@ static double median(placed_box *place, size_t count, int axis, double weight)
     return place[k].distance;
 }
 
-/// Bounds of what lies far away: of all, or of most where something was left at the origin (a cube that a modelling program
-/// begins with).
-/// @param place out: those within first @return how many; 0 = nothing is far away
+/// Bounds of the parts that are far away: of everything, or of most if something was left at the origin (the default
+/// cube of a modelling program).
+/// @param place out: those within the bounds first
+/// @return how many these are; 0 = nothing is far away
 static size_t find_far(placed_box *place, size_t count, rsv_far_box *far)
 {
     rsv_far_box all = rsv_far_nothing();
@@ -200,7 +201,7 @@ void rsv_scene_note_single(rsv_scene *scene, double farthest)
     scene->grain = fmax(scene->grain, SPACING * farthest);
 }
 
-/// @param far what lies elsewhere @param place [count] of what is left behind
+/// @param far bounds of the parts that are far away @param place [count] the parts left behind
 static void warn_of_strays(
     const rsv_scene *scene, const rsv_far_box *far, const placed_box *place, size_t count)
 {

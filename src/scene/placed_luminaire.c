@@ -75,7 +75,7 @@ rsv_status rsv_check_placed_luminaire(
 
 // ---- where they hang ------------------------------------------------------------------------------
 
-/// A direction at right angles to another, as near to `wanted` as can be.
+/// A direction perpendicular to another, as close to `wanted` as possible.
 static rsv_vec3 side_of(rsv_vec3 direction, rsv_vec3 wanted)
 {
     rsv_vec3 side = v3_mad(wanted, -v3_dot(wanted, direction), direction), other;

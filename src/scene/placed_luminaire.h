@@ -4,7 +4,8 @@
 
 #include "resolvent/scene.h"
 
-/// RSV_ERROR_FORMAT where a light of kind RSV_PUNCTUAL_LUMINAIRE names no luminaire of the scene or stands in no usable way.
+/// RSV_ERROR_FORMAT where a light of kind RSV_PUNCTUAL_LUMINAIRE names no luminaire of the scene or stands in no usable
+/// way.
 rsv_status rsv_check_placed_luminaire(
     const rsv_scene *scene, const rsv_punctual_light *light, const char *name);
 

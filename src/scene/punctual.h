@@ -1,5 +1,5 @@
-/// Kinds of punctual lights, as facts that all code goes by: a new kind is described here, and what it sends where in
-/// sources/punctual_light.h. For device code too.
+/// Properties of the kinds of punctual lights, which all code uses. A new kind is described here, and its emission in
+/// sources/punctual_light.h. Also for device code.
 #ifndef RSV_PUNCTUAL_H
 #define RSV_PUNCTUAL_H
 
@@ -39,13 +39,13 @@ RSV_INLINE bool rsv_punctual_is_extended(const rsv_punctual_light *light)
            (light->opening.x != 0 || light->opening.y != 0 || light->opening.z != 0);
 }
 
-/// Half of what it measures across.
+/// Half of its extent.
 RSV_INLINE float rsv_punctual_radius(const rsv_punctual_light *light)
 {
     return rsv_punctual_is_extended(light) ? 0.5f * v3_length(light->opening) : 0;
 }
 
-/// Sends light into a cone around its direction alone.
+/// Whether it emits only into a cone around its direction.
 RSV_INLINE bool rsv_punctual_has_cone(const rsv_punctual_light *light)
 {
     return rsv_punctual_kind(light->kind).has_cone;

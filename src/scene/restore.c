@@ -79,7 +79,8 @@ cleanup:
     return status;
 }
 
-/// What flattening assures: areas above 0, unit normals in front, objects as runs of triangles and vertices.
+/// Checks what flattening ensures: areas above 0, unit normals on the front, contiguous triangles and vertices of
+/// objects.
 static rsv_status check_triangles(const rsv_scene *scene)
 {
     uint32_t first = 0;

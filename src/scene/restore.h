@@ -1,4 +1,4 @@
-/// A committed scene from what is kept of one: the same again, bit for bit.
+/// Restores a committed scene from stored data, bit for bit.
 #ifndef RSV_RESTORE_H
 #define RSV_RESTORE_H
 
@@ -11,19 +11,19 @@ typedef struct rsv_texture_parts {
     const float *value;     ///< the same as floats
 } rsv_texture_parts;
 
-/// Everything is borrowed, nothing trusted. Of the view, textures, variations and bounds are not looked at. Its lists of
-/// nodes may be NULL.
+/// Everything is borrowed, nothing trusted. Of the view, textures, variations and bounds are not looked at. Its lists
+/// of nodes may be NULL.
 typedef struct rsv_scene_parts {
     rsv_scene_view view;
     const rsv_texture_parts *texture; ///< [view.texture_count]
 } rsv_scene_parts;
 
-/// RSV_ERROR_FORMAT for what no committed scene holds: indices past the end, triangles without area, normals that
-/// are not unit or on the wrong side, and whatever the functions of scene.h refuse.
+/// RSV_ERROR_FORMAT for data that a committed scene cannot have: indices out of range, triangles without area, normals
+/// that are not unit or point to the wrong side, and everything that the functions of scene.h refuse.
 rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts, rsv_scene **scene);
 
-/// Its fog as a committed scene holds it, less the origin. RSV_ERROR_FORMAT for what rsv_scene_set_fog refuses, and for fog
-/// without a box.
+/// The fog of a committed scene, relative to the origin. RSV_ERROR_FORMAT for fog that rsv_scene_set_fog refuses, and
+/// for fog without a box.
 rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog);
 
 #endif

@@ -1,6 +1,7 @@
 #include "scene.h"
 #include "../core/descriptor.h"
 #include "../core/vec.h"
+#include "coat_normal.h"
 #include "placed_luminaire.h"
 #include "punctual.h"
 
@@ -43,7 +44,7 @@ void rsv_scene_release_sources(rsv_scene *scene)
     scene->instance_count = scene->instance_capacity = 0;
 }
 
-/// What a variant has of its own too.
+/// Frees the data that a variant does not share.
 static void release_lights_and_colors(rsv_scene *scene)
 {
     for (size_t i = 0; i < scene->light_count; i++) {
@@ -216,18 +217,11 @@ rsv_texture_info rsv_scene_texture_info(const rsv_scene *scene, uint32_t texture
     return (rsv_texture_info){ t->name, t->level[0].width, t->level[0].height, t->channel_count };
 }
 
-static const rsv_texture_ref *find_role(const rsv_material *material, rsv_texture_role role)
-{
-    for (size_t i = 0; i < material->texture_count; i++)
-        if (material->textures[i].role == role) return &material->textures[i];
-    return NULL;
-}
-
-/// Colours of what is cut away, or shows through, are not to mix with those of what is there.
+/// Colours of invisible texels must not mix with those of visible ones.
 static void use_colours(rsv_scene *scene, const rsv_material *material)
 {
-    const rsv_texture_ref *color = find_role(material, RSV_TEXTURE_BASE_COLOR);
-    const rsv_texture_ref *opacity = find_role(material, RSV_TEXTURE_OPACITY);
+    const rsv_texture_ref *color = rsv_find_texture(material, RSV_TEXTURE_BASE_COLOR);
+    const rsv_texture_ref *opacity = rsv_find_texture(material, RSV_TEXTURE_OPACITY);
     if (color)
         rsv_texture_add_use(scene->context, &scene->texture[color->texture],
             opacity && opacity->texture == color->texture);
@@ -296,7 +290,7 @@ static size_t normalize_normals(rsv_vec3 *normal, size_t count)
     return unusable;
 }
 
-/// Whether a triangle that has an area lacks a normal: others are skipped, and what they have is nobody's concern.
+/// Whether a triangle with an area lacks a normal. Other triangles are skipped, so their normals do not matter.
 static bool lacks_normals(const rsv_mesh *mesh)
 {
     rsv_vec3 normal;
@@ -312,7 +306,7 @@ static bool lacks_normals(const rsv_mesh *mesh)
     return false;
 }
 
-/// A copy of `count` groups of `width` floats; what is not finite becomes 0. NULL stays NULL.
+/// A copy of `count` groups of `width` floats. Non-finite values become 0. NULL stays NULL.
 static rsv_status copy_attribute(
     rsv_context *context, const void *source, size_t count, size_t width, void *copy)
 {
@@ -326,7 +320,7 @@ static rsv_status copy_attribute(
     return RSV_OK;
 }
 
-/// What varies over the surface apart from its shape.
+/// Copies attributes that vary over the surface, except its shape.
 static rsv_status copy_attributes(rsv_scene *scene, const rsv_mesh_desc *source, rsv_mesh *mesh)
 {
     rsv_status status;
@@ -341,7 +335,7 @@ cleanup:
     return status;
 }
 
-/// Copies the arrays of a checked description. On failure the caller releases what was copied.
+/// Copies the arrays of a checked description. On failure, the caller frees the copies.
 static rsv_status copy_mesh(rsv_scene *scene, const rsv_mesh_desc *source, rsv_mesh *mesh)
 {
     rsv_context *context = scene->context;

@@ -1,4 +1,4 @@
-/// What a scene is made of before and after commit.
+/// The contents of a scene before and after commit.
 #ifndef RSV_SCENE_H
 #define RSV_SCENE_H
 
@@ -12,7 +12,7 @@
 typedef struct rsv_mesh {
     char *name;
     rsv_vec3 *position;
-    rsv_vec3 *normal; ///< unit, or zero where the geometric one is to be used; NULL = all of them
+    rsv_vec3 *normal; ///< unit; zero = use the geometric normal; NULL = use it everywhere
     float (*uv[2])[2], (*tangent)[4], (*color)[4]; ///< [vertex_count] each, or NULL
     uint32_t *index;                               ///< [3 * triangle_count]
     size_t vertex_count, triangle_count;
@@ -27,10 +27,10 @@ typedef struct rsv_instance {
     double transform[16]; ///< column-major, object to world
 } rsv_instance;
 
-/// What a light or camera is beside what users of the library see of it.
+/// Data of a light or camera that users of the library do not see.
 typedef struct rsv_fixture {
     double position[3]; ///< in the world, before an origin is taken out
-    char *node;         ///< name of the node that placed it; NULL = its own name alone
+    char *node;         ///< name of the node that placed it; NULL = only its own name
 } rsv_fixture;
 
 struct rsv_scene {
@@ -72,7 +72,7 @@ struct rsv_scene {
     uint32_t *triangle_material, *triangle_object;
     uint32_t *
         triangle_source; ///< triangle within its mesh; NULL = not known (scenes restored without a document)
-    uint32_t *object_instance; ///< which call of rsv_scene_add_instance placed it; likewise
+    uint32_t *object_instance; ///< which call of rsv_scene_add_instance placed it
     char **object_name;
     size_t vertex_count, triangle_count, object_count;
     size_t position_capacity, normal_capacity;
@@ -101,12 +101,13 @@ rsv_status rsv_scene_place_camera(
 /// Lists the names of the nodes that placed lights and cameras, for the view.
 rsv_status rsv_scene_list_nodes(rsv_scene *scene);
 
-/// Takes a common origin out of instances, lights and cameras where a scene placed in double lies far from its own; else
-/// leaves all as it is, bit for bit: who places in floats gains no digits, and goes on in these coordinates. Before flattening.
+/// Subtracts a common origin from instances, lights and cameras, if a scene that was placed in double precision is far
+/// from 0. Otherwise nothing changes, not even a bit: a scene placed in single precision would gain nothing. Call it
+/// before flattening.
 rsv_status rsv_scene_take_origin(rsv_scene *scene);
 
-/// Notes that the file has places up to so many metres from the origin in single precision, so that somebody is told where that is
-/// too coarse. What meshes themselves reach to is known.
+/// Records that the file has positions up to this many metres from 0 in single precision, for a warning where that is
+/// too coarse. (The extent of meshes is known.)
 void rsv_scene_note_single(rsv_scene *scene, double farthest);
 
 /// Whether an origin was taken out.
@@ -118,13 +119,13 @@ static inline bool rsv_scene_is_far(const rsv_scene *scene)
 /// Whether a fog, NULL = none, fills a finite box that is not flat.
 bool rsv_fog_has_volume(const rsv_fog *fog);
 
-/// RSV_ERROR_UNSUPPORTED where the scene has fog without end. @param what will not go on: "a solution"
+/// RSV_ERROR_UNSUPPORTED if the scene has unbounded fog. @param what cannot be done: "a solution"
 rsv_status rsv_scene_refuse_endless_fog(const rsv_scene *scene, const char *what);
 
-/// RSV_ERROR_ARGUMENT for a scene that is not committed yet. Every public function that reads a scene's view asks first.
+/// RSV_ERROR_ARGUMENT if the scene is not committed. All public functions that read a scene's view call it first.
 rsv_status rsv_scene_require_committed(const rsv_scene *scene);
 
-/// RSV_ERROR_UNSUPPORTED where the scene has fog. @param what will not go on: "a solution"
+/// RSV_ERROR_UNSUPPORTED if the scene has fog. @param what cannot be done: "a solution"
 rsv_status rsv_scene_refuse_fog(const rsv_scene *scene, const char *what);
 
 /// Brings every value into its range, with one warning that names the material.
@@ -133,8 +134,8 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material);
 /// Frees the environment's picture and name.
 void rsv_scene_release_environment(rsv_scene *scene);
 
-/// Metres along an axis. Beyond, products of lengths leave the range of float, and ray tracers refuse to look (Embree at
-/// 1.8e18).
+/// Metres along an axis. Beyond, products of lengths leave the range of float, and ray tracers refuse to look (Embree
+/// at 1.8e18).
 #define RSV_FARTHEST 1e12f
 
 static inline bool rsv_within_reach(rsv_vec3 p)
@@ -152,17 +153,17 @@ rsv_status rsv_scene_flatten(rsv_scene *scene);
 /// Unit geometric normal of a triangle; false if it is degenerate.
 bool rsv_triangle_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal);
 
-/// Checks what was flattened and makes it the committed scene.
+/// Checks the flattened scene and commits it.
 rsv_status rsv_scene_finish(rsv_scene *scene);
 
 /// Adds a punctual light to a committed scene; the view's array of lights may move.
 rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_punctual_light *light);
 
-/// Finds the faces of a committed scene that lie in the same place (twins.h), warns where only a guess can tell which of
-/// them is to be seen, and puts them into the view. Then warns of lamps that something opaque is closed around: the search
-/// for both is in the same tree.
+/// Finds faces of a committed scene that are in the same place (twins.h), and adds them to the view. Warns where it is
+/// a guess which of them is visible. Also warns of lamps enclosed by something opaque, because both searches use the
+/// same tree.
 rsv_status rsv_scene_find_twins(rsv_scene *scene);
-/// After vertices of a variant were moved: finds what came into one place, too. Who hides lamps is not found anew.
+/// The same after vertices of a variant have moved, without searching for enclosed lamps.
 rsv_status rsv_scene_move_twins(rsv_scene *scene);
 /// Gives a variant boxes of its own around faces that lie in the same place, for vertices of its own.
 rsv_status rsv_scene_copy_twins(rsv_scene *variant);

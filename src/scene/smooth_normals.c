@@ -32,28 +32,34 @@ typedef struct smoother {
 
 static int compare_floats(float a, float b) { return (a > b) - (a < b); }
 
-static int compare_positions(const void *a, const void *b, void *user)
+/// A vertex and where it is: the C library of web pages has no qsort_r.
+typedef struct placed_vertex {
+    rsv_vec3 position;
+    uint32_t index;
+} placed_vertex;
+
+static int compare_positions(const void *a, const void *b)
 {
-    uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
-    const rsv_vec3 *p = (const rsv_vec3 *)user + i, *q = (const rsv_vec3 *)user + j;
+    const placed_vertex *v = a, *w = b;
+    const rsv_vec3 *p = &v->position, *q = &w->position;
     int order = compare_floats(p->x, q->x);
     if (!order) order = compare_floats(p->y, q->y);
     if (!order) order = compare_floats(p->z, q->z);
-    return order ? order : (i > j) - (i < j);
+    return order ? order : (v->index > w->index) - (v->index < w->index);
 }
 
 static bool same_position(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 static rsv_status weld(smoother *s)
 {
-    uint32_t *sorted = rsv_alloc(s->context, s->vertex_count, sizeof *sorted);
+    placed_vertex *sorted = rsv_alloc(s->context, s->vertex_count, sizeof *sorted);
     if (!sorted) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < s->vertex_count; i++)
-        sorted[i] = (uint32_t)i;
-    qsort_r(sorted, s->vertex_count, sizeof *sorted, compare_positions, (void *)s->position);
+        sorted[i] = (placed_vertex){ s->position[i], (uint32_t)i };
+    qsort(sorted, s->vertex_count, sizeof *sorted, compare_positions);
     for (size_t i = 0; i < s->vertex_count; i++) {
-        bool repeated = i > 0 && same_position(s->position[sorted[i]], s->position[sorted[i - 1]]);
-        s->weld[sorted[i]] = repeated ? s->weld[sorted[i - 1]] : sorted[i];
+        bool repeated = i > 0 && same_position(sorted[i].position, sorted[i - 1].position);
+        s->weld[sorted[i].index] = repeated ? s->weld[sorted[i - 1].index] : sorted[i].index;
     }
     rsv_free(s->context, sorted);
     return RSV_OK;

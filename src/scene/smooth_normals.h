@@ -12,10 +12,9 @@ typedef struct rsv_smooth_mesh {
     size_t vertex_count;
 } rsv_smooth_mesh;
 
-/// Triangles that share an edge belong together where they meet at less than `crease_angle`; the normal of
-/// a vertex is the mean over those that do around it, weighted by their angles there (Thürmer and
-/// Wüthrich 1998), so that it does not depend on how faces are cut into triangles. Vertices count as one where
-/// their positions agree to the last bit.
+/// Triangles at an edge are smoothed across it if they meet at less than `crease_angle`. The normal of a vertex is the
+/// mean over such triangles around it, weighted by their angles there (Thürmer and Wüthrich 1998), so that it does not
+/// depend on how faces are divided into triangles. Vertices with identical positions count as one.
 /// @param mesh its positions and indices, each below its vertex_count
 /// @param crease_angle radians; pi or more = smooth everywhere
 rsv_status rsv_smooth_normals(

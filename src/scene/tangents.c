@@ -1,5 +1,5 @@
-/// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean, weighted by
-/// angle, of the directions in which u increases on the triangles around it.
+/// Tangents for normal maps and brushed metal, after MikkTSpace's definition (Mikkelsen 2008): at each vertex the mean,
+/// weighted by angle, of the directions in which u increases on the triangles around it.
 #include "../core/vec.h"
 #include "material_at.h"
 #include "scene.h"
@@ -64,9 +64,8 @@ static void finish_tangent(float tangent[4])
 
 static bool asks_for_tangents(const rsv_material *material)
 {
-    for (size_t i = 0; i < material->texture_count; i++)
-        if (material->textures[i].role == RSV_TEXTURE_NORMAL) return true;
-    return material->anisotropy > 0;
+    return material->anisotropy > 0 || rsv_find_texture(material, RSV_TEXTURE_NORMAL) ||
+           rsv_find_texture(material, RSV_TEXTURE_CLEARCOAT_NORMAL);
 }
 
 rsv_status rsv_mesh_create_tangents(

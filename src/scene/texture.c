@@ -98,7 +98,7 @@ static texel_sums sum_texels(const rsv_texture *t, uint32_t coarse, uint32_t i, 
     return sums;
 }
 
-/// What is not black stays so, however little of it there is: by that, a lamp of one texel is found.
+/// Rounds a nonzero mean up to at least one step, so that lamps of a single texel are found in coarser levels.
 static uint16_t to_unorm_above_zero(double mean)
 {
     uint16_t code = to_unorm(mean);
@@ -123,7 +123,7 @@ static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j
 
 typedef struct reduction {
     rsv_texture *texture;
-    uint32_t level; ///< made of the one before it
+    uint32_t level; ///< computed from the level before it
 } reduction;
 
 static void reduce_rows(void *job, rsv_span span)

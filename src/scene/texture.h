@@ -1,8 +1,8 @@
-/// Textures as the library keeps them: a pyramid of ever coarser versions in linear light.
+/// Textures as mip pyramids in linear light.
 ///
-/// Level 0 is the picture; every further one has half its size, rounded down, and each of its texels is the
-/// mean of the area it covers, so that the mean of the whole is the same on all levels. Colours of a texture that also
-/// says how much of a surface there is are means of what there is: nobody sees the paper that a leaf was cut from.
+/// Level 0 is the image. Each further level has half the size, rounded down, and each of its texels is the mean of the
+/// area that it covers, so all levels have the same mean. If the alpha of a texture is opacity, its colours are
+/// averaged with that weight: the colour of invisible texels does not matter.
 #ifndef RSV_TEXTURE_H
 #define RSV_TEXTURE_H
 
@@ -28,7 +28,7 @@ typedef struct rsv_texture {
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
     bool covers; ///< alpha weighs colours, on the coarser levels and between texels
-    bool whole;  ///< a material shows all of it, whatever alpha says: colours are not weighed
+    bool whole;  ///< a material shows all of it, independently of alpha, so colours are not weighted
 } rsv_texture;
 
 /// A texel: red, green, blue, alpha. Grey textures repeat their value; alpha is 1 where there is none.
@@ -42,8 +42,8 @@ rsv_status rsv_texture_create(
 /// @param desc without codes and values @param linear [height * width * channel_count]
 rsv_status rsv_texture_create_linear(rsv_context *context, const rsv_texture_desc *desc,
     const uint16_t *linear, rsv_texture *texture);
-/// Tells of a material that shows the texture's colours: where alpha is opacity to it, coarser levels weigh them by that
-/// from now on, unless to another material it is not. Nothing changes where there is no alpha.
+/// Registers a material that shows the texture's colours. If alpha is opacity for this material, coarser levels weight
+/// colours by it from now on, unless it is not for another material. Nothing changes without alpha.
 void rsv_texture_add_use(rsv_context *context, rsv_texture *texture, bool alpha_is_opacity);
 void rsv_texture_release(rsv_context *context, rsv_texture *texture);
 

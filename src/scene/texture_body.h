@@ -55,7 +55,8 @@ RSV_INLINE rsv_texel rsv_texel_mix(rsv_texel a, rsv_texel b, float share)
         a.b + share * (b.b - a.b), a.a + share * (b.a - a.a));
 }
 
-/// Colours that alpha weighs, so that what is cut away lends none to what is left beside it; plain where nothing is left.
+/// Mixes colours weighted by alpha, so that invisible texels do not affect visible ones; unweighted if both are
+/// invisible.
 RSV_INLINE rsv_texel rsv_texel_mix_covers(rsv_texel a, rsv_texel b, float share)
 {
     float alpha = a.a + share * (b.a - a.a);

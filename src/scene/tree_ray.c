@@ -30,7 +30,7 @@ static bool meets(const rsv_tree_ray *r, uint32_t triangle, rsv_hit *hit)
     return true;
 }
 
-/// A ray as boxes ask for it.
+/// A ray prepared for box tests.
 typedef struct box_ray {
     float from[3];
     float inverse[3]; ///< of the direction; 0 = the ray is parallel to the faces

@@ -15,11 +15,12 @@ typedef struct rsv_tree_ray {
     uint32_t kind;           ///< the only one that is met
 } rsv_tree_ray;
 
-/// The closest triangle, edges included: nothing slips through between triangles. What is cut out is passed.
-/// @param hit out: of triangle RSV_NONE if there is none
+/// The closest triangle, edges included, so that no ray slips through between triangles. Skips cut-out parts.
+/// @param hit out: with triangle RSV_NONE if there is none
 bool rsv_tree_ray_closest(const rsv_tree_ray *ray, rsv_hit *hit);
 
-/// Where the line along a ray meets triangles, before and behind its origin, in no order. @param t [most] out @return how many
+/// Where the line along a ray meets triangles, before and behind its origin, in no order. @param t [most] out @return
+/// how many
 uint32_t rsv_tree_ray_all(const rsv_tree_ray *ray, float *t, uint32_t most);
 
 #endif

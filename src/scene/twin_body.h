@@ -7,10 +7,11 @@
 /// Whether a material is that of a body which light enters: its surface parts inside and outside, and has no front.
 bool rsv_twin_is_body(const rsv_scene_view *scene, uint32_t material);
 
-/// Whether the front of a body's face looks into the body. Lines through the face cross the surface of the object an odd
-/// number of times on its inner side, each place counting once however many faces lie there. Where the object is a piece
-/// of a surface, all of its material are looked at. False if that is not closed either.
-/// @param tree of all of the scene's triangles @param gap metres that faces at one place lie apart at most
+/// Whether the front of a body's face looks into the body: lines through the face cross the object's surface an odd
+/// number of times on the front side, where all faces in one place count once. If the object is only a part of a
+/// surface, all objects of its material are considered. False if these are not closed either.
+/// @param tree of all triangles of the scene
+/// @param gap maximum distance between faces in the same place, metres
 bool rsv_twin_is_inside_out(
     const rsv_scene_view *scene, const rsv_twin_tree *tree, float gap, uint32_t triangle);
 

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/// Triangles that moved which one looks at: more are a heap, and hits will tell.
+/// Maximum number of moved triangles to compare with. If there are more in one place, hits search for them.
 #define MOST_LOOKS 16384
 
 /// Triangles of a run, which is left out as a whole where nothing moved near it.
@@ -59,7 +59,7 @@ void rsv_scene_release_twins(rsv_scene *scene)
 
 // ---- moves ----------------------------------------------------------------------------------------
 
-/// What moved, and what it met.
+/// The triangles that moved, and those that they meet.
 typedef struct move {
     const rsv_scene *scene;
     const rsv_vec3 *home; ///< [vertex_count] where the vertices were
@@ -148,7 +148,7 @@ static void look_around(move *m, uint32_t triangle)
         flag(m, triangle, RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_OPPOSITE);
 }
 
-/// What did not move lies in its run's box.
+/// Triangles that did not move are in the box of their run.
 static void look_around_runs(void *data, rsv_span span)
 {
     move *m = data;
@@ -229,7 +229,7 @@ static uint32_t list_moved(const move *m, uint32_t *face)
     return count;
 }
 
-/// The tree of what moved: mostly small beside the scene, so that it is made each time.
+/// The tree of moved triangles. It is usually small compared with the scene, and built each time.
 static rsv_status plant_moved(move *m)
 {
     const rsv_scene *scene = m->scene;

@@ -67,7 +67,7 @@ typedef struct polygon {
     double x[MOST_CORNERS + 1], y[MOST_CORNERS + 1];
 } polygon;
 
-/// Cuts off what lies beyond an edge (Sutherland and Hodgman 1974).
+/// Clips a polygon at an edge (Sutherland and Hodgman 1974).
 static polygon clip(const polygon *p, const flat_triangle *t, int edge)
 {
     polygon kept = { 0 };
@@ -88,7 +88,7 @@ static polygon clip(const polygon *p, const flat_triangle *t, int edge)
     return kept;
 }
 
-/// The middle of what two triangles share. False if that is nothing.
+/// Centre of the overlap of two triangles. False if they do not overlap.
 static bool find_middle(const flat_triangle *t, const flat_triangle *other, double *x, double *y)
 {
     polygon shared = { .count = 3 };

@@ -4,8 +4,8 @@
 
 #include "resolvent/scene.h"
 
-/// Planes that meet at a larger angle share a line, not a piece (the cosine of 18 degrees: copies of the smallest triangles
-/// are inexact by a part of their size).
+/// Planes that meet at a larger angle share a line, not a piece (the cosine of 18 degrees: copies of the smallest
+/// triangles are inexact by a part of their size).
 #define RSV_TWIN_PARALLEL 0.95f
 
 /// A triangle and its unit normal.
@@ -17,12 +17,12 @@ typedef struct rsv_twin_face {
 /// How two triangles lie that cover each other somewhere.
 typedef struct rsv_twin_overlap {
     bool opposite; ///< they turn opposite ways
-    double gap;    ///< metres between their planes, in the middle of what they share
+    double gap;    ///< metres between their planes, at the centre of the overlap
 } rsv_twin_overlap;
 
-/// Triangles that merely share an edge or a corner, but for rounding, do not overlap.
+/// Triangles that only share an edge or a corner, up to rounding, do not overlap.
 /// @param a, b parallel by RSV_TWIN_PARALLEL
-/// @param reach metres that their planes may lie apart
+/// @param reach maximum distance between their planes, metres
 bool rsv_twins_overlap(const rsv_scene_view *scene, rsv_twin_face a, rsv_twin_face b, float reach,
     rsv_twin_overlap *overlap);
 

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/// Slacks are taken so many times as wide as hits take them: what lies close to a limit counts as being there.
+/// Tolerances are this many times as wide as those of hits, so that triangles close to a limit are included.
 #define WIDER 2.0
 
 /// Triangles that are slimmer are searched for at each hit: too much of their coordinates is rounding.
@@ -56,8 +56,8 @@ static bool are_below(const double x[3], double least)
     return x[0] < least && x[1] < least && x[2] < least;
 }
 
-/// Whether no hit in the inner part can be on a face: what rsv_twin_covers asks is linear in the place, so that it
-/// holds nowhere if it fails at all corners for the same reason.
+/// Whether no hit in the inner part can be on a face. The conditions of rsv_twin_covers are linear in the position, so
+/// they fail everywhere if they fail at all corners for the same reason.
 static bool is_clear_of(const rsv_scene_view *view, const inner_part *a, uint32_t face)
 {
     const rsv_twins *twins = view->twins;

@@ -6,8 +6,8 @@
 
 #include <stdlib.h>
 
-/// A triangle and its place on a curve that fills the scene, in steps that are fine beside a pencil on a desk in a town.
-/// Copies come side by side.
+/// A triangle and its position on a space-filling curve, whose steps are fine enough for a pencil on a desk in a town.
+/// Copies are adjacent.
 typedef struct curve_place {
     uint64_t place;
     uint32_t hash, face;

@@ -1,4 +1,4 @@
-/// Boxes around triangles, for finding what lies in one place.
+/// A hierarchy of boxes around triangles, for finding triangles in the same place.
 #ifndef RSV_TWIN_TREE_H
 #define RSV_TWIN_TREE_H
 
@@ -15,9 +15,10 @@ typedef struct rsv_twin_tree {
     uint32_t node_count, face_count;
 } rsv_twin_tree;
 
-/// O(n log n), whatever the triangles.
-/// @param face [face_count] which of the scene's; copied
-/// @param flags [triangle_count] NULL, or: of exact copies, of one material and winding, only the last is taken in, and gets
+/// Builds the tree in O(n log n), for any triangles.
+/// @param face [face_count] indices of triangles of the scene; copied
+/// @param flags [triangle_count], or NULL. Of exact copies with the same material and winding, only the last is added,
+/// and gets
 ///              the flag RSV_TWIN_LAST; the others get RSV_TWIN_COPY
 /// @param tree out
 rsv_status rsv_twin_tree_create(rsv_context *context, const rsv_scene_view *scene,

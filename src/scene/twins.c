@@ -13,16 +13,16 @@
 /// Opposite faces may lie apart by this part of the scene's size: copies come out of programs of single precision.
 #define REACH 0x1p-18f
 
-/// The four triangles of a leaf look at so many others at most, and find so many: beyond, as around the tip of a fan of
-/// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square. They are searched for
-/// at each hit then, and by those that they have not looked at.
+/// Maximum number of other triangles that the four triangles of a leaf are compared with, and that they may find.
+/// Beyond this (around the tip of a fan of a million slivers, or in a heap of inexact copies), time would grow with the
+/// square. Such triangles are searched for at each hit instead.
 #define MOST_LOOKS 16384
 #define MOST_FOUND 128
 
 /// Boxes that share no more than this part of an axis merely touch along it.
 #define THIN 1e-4f
 
-/// Places on a triangle that tell whether all of it is hidden, and on a lamp, whether some of it is.
+/// Points on a triangle that decide whether all of it is hidden, and on a lamp, whether part of it is.
 #define PLACES 16
 #define PLACES_OF_LAMP 256
 
@@ -49,7 +49,7 @@ static void flag(const finder *f, uint32_t triangle, uint8_t flags)
     atomic_fetch_or_explicit(known, flags, memory_order_relaxed);
 }
 
-/// What a leaf has found.
+/// Results of a leaf.
 typedef struct leaf_search {
     face_box box[RSV_TWIN_LEAF];    ///< its own triangles
     rsv_vec3 normal[RSV_TWIN_LEAF]; ///< theirs, unit
@@ -59,7 +59,7 @@ typedef struct leaf_search {
 
 uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool opposite)
 {
-    // a front is sure to be seen before a back, unless it lets light through and the back does not
+    // a front is always seen before a back, unless it transmits light and the back does not
     bool sure = opposite && rsv_twin_is_opaque(scene, scene->triangle_material[triangle]);
     return (uint8_t)(RSV_TWIN_OVER_BACK | (sure ? 0 : RSV_TWIN_OVER_FRONT) |
                      (opposite ? RSV_TWIN_OPPOSITE : 0));
@@ -102,7 +102,8 @@ static float shared_span(float low_a, float high_a, float low_b, float high_b)
     return f_min(high_a, high_b) - f_max(low_a, low_b);
 }
 
-/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do not.
+/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do
+/// not.
 static bool may_overlap(const face_box *a, const face_box *b, float reach)
 {
     float x = shared_span(a->low.x, a->high.x, b->low.x, b->high.x);
@@ -136,8 +137,8 @@ static void compare_leaves(
     }
 }
 
-/// Whether a triangle of the leaf may lie within a node: by its box, and by its plane, as boxes of slanting walls hold whole
-/// rooms.
+/// Whether a triangle of the leaf may lie within a node: by its box, and by its plane, as boxes of slanting walls hold
+/// whole rooms.
 static bool may_lie_in(const finder *f, const leaf_search *s, uint32_t k, const rsv_twin_node *node)
 {
     const face_box *box = &s->box[k];
@@ -177,7 +178,7 @@ static leaf_search begin_search(const finder *f, const rsv_twin_node *leaf)
     return s;
 }
 
-/// What lies around the triangles of a leaf is not known: hits will tell.
+/// The surroundings of a leaf's triangles are unknown: hits search for duplicates.
 static void take_all_flags(const finder *f, uint32_t own)
 {
     const rsv_twin_tree *tree = &f->tree;
@@ -329,12 +330,12 @@ static void finder_destroy(finder *f)
     rsv_free(f->scene->context, f->flags);
 }
 
-// ---- what was found ------------------------------------------------------------------------------
+// ---- results -------------------------------------------------------------------------------------
 
-/// Who is seen at places spread over a triangle, by those who look at one of its sides.
+/// The faces seen at points spread over a triangle, by rays towards one of its sides.
 typedef struct showing {
     bool some;      ///< of the triangle itself
-    uint32_t other; ///< whom one sees in its place; RSV_NONE = nobody
+    uint32_t other; ///< the face seen in its place; RSV_NONE = none
 } showing;
 
 static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
@@ -379,7 +380,7 @@ static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t o
     return true;
 }
 
-/// Who is seen in all places of a side of a triangle: one look tells of exact copies.
+/// The face seen at all points of a side of a triangle. One ray suffices for exact copies.
 static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool back)
 {
     rsv_hit hit = { triangle, 0, 1 / 3.0f, 1 / 3.0f };
@@ -387,14 +388,16 @@ static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool bac
     rsv_twins_search(view, back ? normal : v3_neg(normal), &hit);
     if (hit.triangle != triangle && covers_all(view, triangle, hit.triangle))
         return (showing){ false, hit.triangle };
-    // what shows its middle is not hidden
+    // a face that shows its centre is not hidden
     if (hit.triangle == triangle && back && !is_lamp(view, triangle))
         return (showing){ true, RSV_NONE };
     return look_at(view, triangle, back);
 }
 
-/// Whether it is a guess which of two faces that turn the same way is wanted. Lamps in the plane of a ceiling are. Where there
-/// are faces of both windings, things stand on the copy of a floor, say, whose outside nobody looks at.
+/// Whether it is a guess which of two faces with the same orientation is meant to be visible. Lamps in the plane of a
+/// ceiling are. Where there are faces of both windings, this is usual: things stand on the copy of a floor whose
+/// outside nobody sees.
+
 static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t t, uint32_t other)
 {
     return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
@@ -439,7 +442,8 @@ static void look_at_faces(void *data, rsv_span span)
     }
 }
 
-/// Marks the faces that others hide. @param guessed out: first in whose place others are shown by a guess; RSV_NONE = none
+/// Marks the faces that others hide. @param guessed out: first in whose place others are shown by a guess; RSV_NONE =
+/// none
 static rsv_status find_hidden(rsv_scene *scene, rsv_twins_owner *owner, uint32_t *guessed)
 {
     const rsv_twin_tree *tree = &owner->tree;

@@ -1,21 +1,19 @@
-/// Faces that lie in the same place as others, and which of them a ray sees.
+/// Duplicate faces (faces in the same place), and which of them a ray sees.
 ///
-/// Modelling programs and exporters write a surface twice, once for each side: two single-sided faces of opposite winding. A
-/// ray that meets such a surface meets both at once. What it sees follows from one rule, whichever is found first and
-/// however either is divided into triangles: of the faces at that place
-///  1. an opaque one hides one that lets light through,
-///  2. a front hides a back,
-///  3. a lamp hides what does not shine,
-///  4. a double-sided one hides a single-sided one,
-///  5. a later one hides an earlier one.
-/// Bodies of glass have no front in this sense: the surface between inside and outside is one surface. Of two opposite faces
-/// of such bodies, from either side, the one that looks out of its body hides the one that looks into it (twin_body.h).
+/// Modelling programs and exporters often write a surface twice, once for each side, as two single-sided faces of
+/// opposite winding. A ray that hits such a surface hits both at once. One rule decides which face it sees,
+/// independently of the order in which they are found and of how they are divided into triangles: 1. an opaque face
+/// hides one that transmits light, 2. a front hides a back, 3. a lamp hides a face that does not emit, 4. a
+/// double-sided face hides a single-sided one, 5. a later face hides an earlier one. Faces of glass bodies have no
+/// front in this sense: the surface between inside and outside is one surface. Of two opposite faces of such bodies,
+/// the one whose front is outside hides the other, as seen from either side (twin_body.h).
 ///
-/// Faces that turn the same way lie in the same place if they do so up to rounding: else the nearer one is seen, as ever.
-/// Opposite ones may lie apart by a little: what turns its back to the ray in front of a front is an inexact copy. How much
-/// that is follows from the size of the triangles and from where they are: a landscape around a house must not blur its doors.
+/// Faces with the same orientation are in the same place if they are so up to rounding; otherwise the nearer one is
+/// seen, as usual. Opposite faces may be a small distance apart: a back in front of a front is an inexact copy of it.
+/// The limit depends on the size of the triangles and their position, so that a landscape around a house does not
+/// affect its doors.
 ///
-/// Commit finds them (twins.c). Scenes without any have no rsv_twins, and pay for none of this.
+/// Commit finds duplicate faces (twins.c). Scenes without any have no rsv_twins, and no extra cost.
 #ifndef RSV_TWINS_H
 #define RSV_TWINS_H
 
@@ -42,8 +40,8 @@
 /// Hits whose barycentric coordinates are all larger lie well inside their triangle.
 #define RSV_TWIN_INSET 0x1p-6f
 
-/// A box around triangles. Nodes stand in the order in which a search visits them: the first child of an inner node comes
-/// next; whoever misses the box goes on at `next`. A leaf has none but itself.
+/// A box around triangles. Nodes are stored in the order of a traversal: the first child of an inner node follows it,
+/// and a ray that misses the box continues at `next`. A leaf has no children.
 typedef struct rsv_twin_node {
     rsv_vec3 low;
     uint32_t next;
@@ -61,8 +59,8 @@ typedef struct rsv_twins {
         *rival; ///< other faces that hits well inside a triangle may be on; RSV_NONE = too many
     uint32_t node_count, face_count;
     float reach;    ///< metres that opposite faces at the same place may lie apart, of any size
-    float rounding; ///< metres within which places are the same, likewise
-    float extent;   ///< rays leave faces with flags as if their corners reached so many times as
+    float rounding; ///< metres within which positions count as equal
+    float extent;   ///< rays leave faces with flags as if their corners were this many times farther out
                     ///< far as their copies may lie off: past all of these; 0 = all are exact
 } rsv_twins;
 
@@ -112,7 +110,8 @@ RSV_INLINE rsv_twin_plane rsv_twin_plane_of(const rsv_scene_view *scene, uint32_
     return p;
 }
 
-/// Metres within which places on a triangle are the same: what two hits of one ray differ by. @param most of any triangle
+/// Metres within which positions on a triangle count as equal: the difference of two hits by one ray. @param most of
+/// any triangle
 RSV_INLINE float rsv_twin_rounding(const rsv_twin_plane *p, float most)
 {
     float size = 1 / p->scale;
@@ -251,8 +250,8 @@ RSV_INLINE uint32_t rsv_twin_rivals(
     return count == 1 && **rival == RSV_NONE ? RSV_NONE : count;
 }
 
-/// Looks through the faces at the place of a hit. @param hit in: what was met; out: what is seen
-/// @return whether one of them turns the other way than what was met
+/// Searches the duplicate faces at a hit. @param hit in: the face that was hit; out: the face that is seen
+/// @return whether one of the faces has the opposite orientation
 RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit *hit)
 {
     const rsv_twins *twins = scene->twins;
@@ -284,7 +283,7 @@ RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction
     return s.opposite;
 }
 
-/// What a ray sees where it meets a triangle: that one, or a twin. @param scene with twins @param hit in and out
+/// The face that a ray sees where it hits a triangle. @param scene with duplicate faces @param hit in and out
 RSV_INLINE void rsv_twins_settle(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit *hit)
 {
     uint32_t over = scene->twins->flags[hit->triangle] & (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK);
@@ -302,8 +301,8 @@ RSV_INLINE bool rsv_twins_meet(const rsv_scene_view *scene, rsv_vec3 direction, 
     return rsv_twins_search(scene, direction, &hit);
 }
 
-/// The least extent with which rays leave a triangle (rsv_offset_origin): copies of it may lie a little off it, on either
-/// side. 0 = any will do.
+/// The least extent with which rays leave a triangle (rsv_offset_origin): copies of it may lie a little off it, on
+/// either side. 0 = any will do.
 RSV_INLINE float rsv_twins_extent(const rsv_scene_view *scene, uint32_t triangle)
 {
     const rsv_twins *twins = scene->twins;

@@ -1,11 +1,11 @@
-/// Faces in the same place, with what owns them.
+/// Storage of duplicate faces.
 #ifndef RSV_TWINS_OWNER_H
 #define RSV_TWINS_OWNER_H
 
 #include "scene.h"
 #include "twin_tree.h"
 
-/// Rays leave faces with copies by so many times what these may lie off.
+/// Rays start this many times the distance of copies away from faces that have copies.
 #define RSV_TWIN_CLEAR 1.5f
 
 typedef struct rsv_twins_owner {
@@ -20,7 +20,8 @@ typedef struct rsv_twins_owner {
 /// How far faces in the same place may lie apart at most, in this scene. @param reach, rounding out: see rsv_twins
 void rsv_twins_limits(const rsv_scene_view *scene, float *reach, float *rounding);
 
-/// Flags of a triangle in whose place lies another. @param opposite whether that one turns the other way, else the same way
+/// Flags of a triangle in whose place lies another. @param opposite whether that one turns the other way, else the same
+/// way
 uint8_t rsv_twin_flags(const rsv_scene_view *scene, uint32_t triangle, bool opposite);
 
 /// Makes the tree of the triangles that have flags and are not hidden, and puts it into the scene's view.

@@ -43,8 +43,8 @@ double rsv_sky_shape_at(const rsv_sky_shape *s, rsv_vec3 direction)
     return fmax(gradation(s, (double)direction.y) * indicatrix, 0);
 }
 
-/// One of the eight categories of clearness: up to which, the parameters of shape (1993, table 1; four coefficients for each of
-/// a to e) and those of luminous efficacies (1990, table 4; diffuse, direct).
+/// One of the eight categories of clearness: up to which, the parameters of shape (1993, table 1; four coefficients for
+/// each of a to e) and those of luminous efficacies (1990, table 4; diffuse, direct).
 typedef struct category {
     double most, shape[5][4], diffuse[4], direct[4];
 } category;
@@ -92,7 +92,7 @@ static const category categories[8] = {
         { 152.23, 0.35, -45.27, -7.98 }, { 101.18, 1.58, -1.10, -8.29 } },
 };
 
-/// A moment's sky, as far as the model asks for it.
+/// Input of the sky model at one moment.
 typedef struct sky_state {
     double zenith; ///< of the sun, radians
     double clearness, brightness, water;

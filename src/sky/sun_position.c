@@ -1,5 +1,5 @@
-/// Where the sun is: a truncated VSOP87 (Bretagnon and Francou 1988) in the form that Meeus gives (Astronomical Algorithms,
-/// 1998, chapters 22, 25 and 40), which NREL's algorithm uses too.
+/// Where the sun is: a truncated VSOP87 (Bretagnon and Francou 1988) in the form that Meeus gives (Astronomical
+/// Algorithms, 1998, chapters 22, 25 and 40), which NREL's algorithm uses too.
 #include "../core/core.h"
 #include "resolvent/sky.h"
 
@@ -83,7 +83,7 @@ static double clock_lag(double year)
     return 62.92 + t * (0.32217 + t * 0.005589);
 }
 
-/// The sun's apparent right ascension and declination, and what turns sidereal time into the apparent one. Radians.
+/// The sun's apparent right ascension and declination, and the correction from mean to apparent sidereal time. Radians.
 typedef struct equatorial {
     double ascension, declination, distance, equation_of_equinoxes;
 } equatorial;

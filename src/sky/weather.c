@@ -95,7 +95,7 @@ static const rsv_weather_hour *nearest_like(const rsv_weather *w, size_t k)
     return NULL;
 }
 
-/// Marks first, so that nothing is filled with what was filled.
+/// Marks gaps first, so that none is filled from a filled one.
 static rsv_status fill_gaps(rsv_weather_text *t)
 {
     rsv_weather *w = t->weather;
@@ -118,7 +118,7 @@ static rsv_status fill_gaps(rsv_weather_text *t)
     return RSV_OK;
 }
 
-/// Says what a file lacks.
+/// Warns of the file's gaps.
 static void tell_gaps(const rsv_weather_text *t)
 {
     const rsv_weather *w = t->weather;

@@ -83,7 +83,8 @@ static rsv_status read_date(rsv_weather_text *text, char **cursor, int date[4])
                : rsv_weather_complain(text, "the hour is not within 1 to 24");
 }
 
-/// Intervals are told by their order within the hour: files disagree whether minutes mean their begin or their end.
+/// Intervals are identified by their order within the hour, because files disagree on whether minutes give the start or
+/// the end.
 static double middle_of(
     const rsv_weather_text *text, const int date[4], double per_hour, int *in_hour)
 {

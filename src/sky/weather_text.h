@@ -1,4 +1,4 @@
-/// Weather files line by line: what both formats have in common.
+/// Reading weather files line by line, for both formats.
 #ifndef RSV_WEATHER_TEXT_H
 #define RSV_WEATHER_TEXT_H
 
@@ -9,7 +9,7 @@
 typedef struct rsv_weather_text {
     rsv_context *context;
     const char *path;
-    char *rest; ///< what follows the present line; NULL = nothing
+    char *rest; ///< text after the current line; NULL = none
     char *line; ///< the present one, without its end
     size_t number;
     rsv_weather *weather;
@@ -23,7 +23,7 @@ rsv_status rsv_weather_read_wea(rsv_weather_text *text);
 /// Goes on to the next line. @return false at the end
 bool rsv_weather_next_line(rsv_weather_text *text);
 
-/// RSV_ERROR_FORMAT for the present line, with what is wrong there.
+/// RSV_ERROR_FORMAT for the current line, with what is wrong.
 rsv_status rsv_weather_complain(const rsv_weather_text *text, const char *what);
 
 /// Appends an interval after checking its date.

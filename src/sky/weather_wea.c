@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// What a line of the header says, and by what its number is multiplied: longitudes and meridians count westwards there.
+/// A header keyword and the factor of its number: longitudes and meridians are positive westwards in this format.
 typedef struct header_word {
     const char *word;
     double factor;

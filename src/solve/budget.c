@@ -47,7 +47,7 @@ static size_t entry_bytes(const rsv_builder *b)
     return sizeof(uint32_t) + (tinted ? sizeof(rsv_rgb) : 0);
 }
 
-/// What the elements in hand take beside rows: themselves, and fields on them.
+/// Memory of the present elements besides rows: themselves, and fields on them.
 static double element_bytes(const rsv_builder *b)
 {
     double fields = (double)(RSV_KEPT_ORDERS + 16) * sizeof(rsv_rgb);
@@ -55,7 +55,7 @@ static double element_bytes(const rsv_builder *b)
            fields * (double)b->elements->node_count;
 }
 
-/// Rows that the budget of elements leaves: what hangs or is buried counts as well.
+/// Number of rows within the budget of elements, which also counts hanging and buried ones.
 static size_t rows_of_elements(const rsv_builder *b)
 {
     if (b->desc.max_elements == 0) return SIZE_MAX;

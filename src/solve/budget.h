@@ -5,8 +5,8 @@
 #include "../elements/elements.h"
 #include "builder.h"
 
-/// Notes what is left for the solution, after what the process holds already. RSV_ERROR_MEMORY if that cannot do for
-/// the elements of the scene's own triangles.
+/// Records the memory left for the solution, besides what the process already uses. RSV_ERROR_MEMORY if that is too
+/// little for the elements of the scene's own triangles.
 rsv_status rsv_budget_open(rsv_builder *builder);
 
 /// Elements that a budget counts: those that follow others, on meshes finer than the spacing, cost nothing to speak of.
@@ -27,8 +27,8 @@ size_t rsv_budget_cells(const rsv_builder *builder);
 /// Says why the elements in hand do not keep the budgets. @param least elements that there can be
 rsv_status rsv_budget_refuse(const rsv_builder *builder, size_t least);
 
-/// Says what a budget made coarser than was asked for, if anything.
-/// @param wanted metres between elements
+/// Logs what a budget made coarser than requested, if anything.
+/// @param wanted requested metres between elements
 void rsv_budget_report(const rsv_builder *builder, float wanted);
 
 #endif

@@ -18,8 +18,8 @@
 
 // ---- elements and rows ----------------------------------------------------------------------------
 
-/// Whether budgets are kept, by elements that see each other: cells much larger than what they lie on may end up with no
-/// valid point at all.
+/// Whether budgets are kept with elements that see each other: cells much larger than the surfaces under them may have
+/// no valid point at all.
 static bool is_within_budget(const rsv_builder *b)
 {
     size_t rows = rsv_builder_rows(b);
@@ -42,7 +42,7 @@ static float coarsest_spacing(const rsv_builder *b)
     return 2 * v3_length(v3_sub(view->bounds_max, view->bounds_min));
 }
 
-/// A spacing, and what comes of it.
+/// A spacing, and its result.
 typedef struct trial {
     float metres;
     size_t elements;
@@ -87,8 +87,8 @@ cleanup:
     return status;
 }
 
-/// The last resort: spacings from the coarsest down, the same ones whatever the budget, so that the fewest
-/// elements that a refusal names are found again. Of those that fit the finest, else the one of the fewest elements.
+/// The last resort: spacings from the coarsest down, always the same ones, so that the smallest number of elements
+/// stated by a refusal can be reached. Takes the finest of those that fit, otherwise the one with the fewest elements.
 static rsv_status create_fewest(rsv_builder *b)
 {
     rsv_status status = RSV_OK;
@@ -113,7 +113,7 @@ cleanup:
     return status;
 }
 
-/// Uses what budgets leave. @param exceeding metres between too many elements
+/// Uses the rest of budgets. @param exceeding spacing with too many elements, metres
 static rsv_status fill_budget(rsv_builder *b, float exceeding, float wanted)
 {
     rsv_status status = rsv_budget_fill(b, wanted);
@@ -136,7 +136,7 @@ static float excess(const rsv_builder *b)
     return (float)rsv_builder_rows(b) / ((float)rsv_budget_rows(b) + 1);
 }
 
-/// Gives rows that are few more rays than was asked for.
+/// Gives few rows more rays than requested.
 static void raise_rays(rsv_builder *b)
 {
     uint32_t most = MOST_RAISED * b->wanted_rays;
@@ -207,7 +207,7 @@ rsv_status rsv_builder_trace(
 
 // ---- light ----------------------------------------------------------------------------------------
 
-/// Direct light and caustics on finer elements, where they are wanted and seen.
+/// Direct light and caustics on finer elements, where they are requested and visible.
 static rsv_status create_levels(const rsv_builder *b, rsv_light *light)
 {
     rsv_status status;
@@ -266,7 +266,7 @@ static void report_sizes(const rsv_builder *b, rsv_light *light)
                       rsv_subsurface_entries(op->subsurface);
 }
 
-/// Counts what the builder did before there was a light.
+/// Adds the counts from before the light existed.
 static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
 {
     report->rays += before->rays;
@@ -421,7 +421,7 @@ rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 
-/// Updates in memory tell it in their report.
+/// Logs reused rays; updates in memory have them in their report.
 static void tell_kept_rays(rsv_context *context, const rsv_solve_report *r)
 {
     if (r->kept_row_rays > 0)

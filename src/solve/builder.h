@@ -1,5 +1,5 @@
-/// Building operator and light of a scene together: elements are chosen by what pilots see of the light, rows are traced
-/// on them, E0 is found and the system solved.
+/// Builds operator and light of a scene together: pilots choose the elements, rows are traced on them, E0 is computed,
+/// and the system is solved.
 #ifndef RSV_BUILDER_H
 #define RSV_BUILDER_H
 
@@ -7,22 +7,22 @@
 #include "../update/update.h"
 #include "light_internal.h"
 
-/// What there is before there is an operator.
+/// State before there is an operator.
 typedef struct rsv_builder {
     rsv_context *context;
-    rsv_solve_desc desc;  ///< with fewer rays than was asked for where a budget wants that
-    uint32_t wanted_rays; ///< that were asked for
-    float wanted_metres;  ///< of the spacing, likewise
+    rsv_solve_desc desc;  ///< with fewer rays than requested if a budget requires it
+    uint32_t wanted_rays; ///< requested rays
+    float wanted_metres;  ///< requested spacing
     size_t bytes_left;    ///< of the memory budget, for elements, rows and levels
     rsv_world *world;
     rsv_transport_scene scene; ///< of that, with `update`
-    rsv_update update;         ///< what is known from before an edit, and where rows are kept
+    rsv_update update;         ///< results from before an edit, and the store of rows
     rsv_light_sources *sources;
     rsv_spacing spacing;     ///< of the coarse elements
-    rsv_elements *elements;  ///< coarse: the unknowns to be
+    rsv_elements *elements;  ///< coarse: the future unknowns
     uint16_t *valid_points;  ///< [node_count] receiver points that are not buried, bit by bit
-    rsv_solve_report report; ///< of what was done so far
-    rsv_update_report kept;  ///< likewise
+    rsv_solve_report report; ///< of the work so far
+    rsv_update_report kept;  ///< the same for reuse
 } rsv_builder;
 
 /// Nodes with a row of their own.
@@ -39,8 +39,8 @@ rsv_status rsv_builder_trace(
 /// Whether a scene can be solved by these settings: their bounds, and the goal.
 rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc);
 
-/// Builds and solves. @param store where all is kept that the next solve may take over; NULL = nowhere
-/// @param earlier what a solve of an earlier version of the scene kept; NULL = nothing
+/// Builds and solves. @param store for results that the next solve can reuse; NULL = none
+/// @param earlier results of a solve of an earlier version of the scene; NULL = none
 rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
     rsv_store *earlier, rsv_light **solution);
 

@@ -78,7 +78,7 @@ rsv_status rsv_coarse_elements_create(rsv_builder *b, float coarsening)
     return status == RSV_OK ? prepare_elements(b, NULL) : status;
 }
 
-/// What chooses cells for a goal.
+/// Input for choosing cells for a goal.
 typedef struct goal_chooser {
     const rsv_goal *goal;
     const rsv_spacing *spacing;
@@ -98,7 +98,7 @@ static void choose_span(void *job, rsv_span span)
     }
 }
 
-/// Cells that are too large for what they matter.
+/// Marks cells that are too large for their importance.
 static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
 {
     goal_chooser *g = user;
@@ -134,7 +134,7 @@ cleanup:
     return status;
 }
 
-/// Splits cells, and leaves what there was before to the caller.
+/// Splits cells. The caller frees the previous elements.
 static rsv_status split_cells(rsv_builder *b, const uint8_t *split)
 {
     rsv_elements *earlier = b->elements;

@@ -15,7 +15,7 @@ rsv_status rsv_coarse_elements_create_for_goal(rsv_builder *builder, const rsv_g
 /// @param split [cell_count] cells to split
 rsv_status rsv_coarse_elements_split(rsv_builder *builder, const uint8_t *split);
 
-/// The same, but if what comes of it does not fit, the elements stay as they are.
+/// The same, but keeps the elements if the result does not fit.
 /// @param kept out: whether they were split
 rsv_status rsv_coarse_elements_try(
     rsv_builder *builder, const uint8_t *split, bool (*fits)(const rsv_builder *), bool *kept);

@@ -117,5 +117,5 @@ rsv_status rsv_device_map_measure(
         m->table->measure(m->transport, repetitions, copy_rate, seconds, bytes, message);
     if (status == RSV_OK) return RSV_OK;
     lose(m, status, message);
-    return rsv_fail(status, "device: %s", message); // nobody else can do this
+    return rsv_fail(status, "device: %s", message); // there is no fallback
 }

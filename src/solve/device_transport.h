@@ -1,4 +1,4 @@
-/// The linear map A = G K on a device: what a plug-in gets of a scene's operator, and what it offers.
+/// The linear map A = G K on a device: interface of the plug-in.
 #ifndef RSV_DEVICE_TRANSPORT_H
 #define RSV_DEVICE_TRANSPORT_H
 
@@ -7,8 +7,8 @@
 #include "parents.h"
 #include "resolvent/solve.h"
 
-/// All borrowed. Rows and parents are copied to the device once; `scale` and `albedo` are read again by each call, since
-/// relighting and lossless pockets change them.
+/// All borrowed. Rows and parents are copied to the device once; `scale` and `albedo` are read again by each call,
+/// since relighting and lossless pockets change them.
 typedef struct rsv_device_system {
     size_t node_count;
     const size_t *row_begin, *tinted_begin; ///< [node_count + 1] where rows begin
@@ -22,19 +22,19 @@ typedef struct rsv_device_system {
 
 typedef struct rsv_device_transport rsv_device_transport;
 
-/// What is wanted of a correction d with (I - A) d close to a residual, and what came of it.
+/// Request for a correction d with (I - A) d close to a residual, and its result.
 typedef struct rsv_device_solve {
     rsv_solver solver;         ///< one of those the device has
     double relative;           ///< max |new residual| over max |residual|, channel by channel
     double max_applications;   ///< of A
-    bool (*stops)(void *user); ///< asked now and then
+    bool (*stops)(void *user); ///< polled
     void *user;
     double applications; ///< out
     bool converged;      ///< out
 } rsv_device_solve;
 
-/// Fields are [node_count x fields], node by node. Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and
-/// what should have come out undefined.
+/// Fields are [node_count x fields], node by node. Failures set `message` [RSV_DEVICE_MESSAGE_BYTES] and leave results
+/// undefined.
 typedef struct rsv_device_transport_table {
     rsv_status (*create)(rsv_device *device, const rsv_device_system *system,
         rsv_device_transport **transport, char *message);

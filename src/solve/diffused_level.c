@@ -127,7 +127,7 @@ static rsv_rgb field_at(
     return rsv_elements_interpolate(elements, field, face, u, v);
 }
 
-/// Direct light at the level's own nodes; what is gathered or shot comes from where it is stored.
+/// Direct light at the level's own nodes; gathered light and photons come from where they are stored.
 static rsv_status create_entered(rsv_light *s)
 {
     const rsv_elements *e = s->field.diffused.elements;

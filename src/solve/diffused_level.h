@@ -1,9 +1,9 @@
-/// What translucent surfaces show: irradiance diffused below them, on elements as fine as the diffusion asks for.
+/// Light of translucent surfaces: irradiance diffused below them, on elements as fine as the diffusion requires.
 ///
 /// Direct light has edges that elements do not resolve. The profile's transfer function at the finest wave that they
-/// do resolve is the share of such detail that survives diffusion: with it, what a better estimate of direct light
-/// has over the elements' own is added at each lookup. It is nothing where elements are finer than the mean free
-/// path, and everything where the mean free path is 0 and the surface Lambertian.
+/// resolve is the fraction of such detail that survives diffusion. With it, the difference between a better estimate of
+/// direct light and the elements' own is added at each lookup. The fraction is 0 where elements are finer than the mean
+/// free path, and 1 where the mean free path is 0 and the surface Lambertian.
 #ifndef RSV_DIFFUSED_LEVEL_H
 #define RSV_DIFFUSED_LEVEL_H
 
@@ -30,7 +30,7 @@ rsv_status rsv_diffused_level_name_materials(struct rsv_light *solution);
 rsv_status rsv_diffused_level_create(struct rsv_light *solution);
 void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level);
 
-/// The same on the same elements, with fields of its own. @param copy empty before; to be destroyed even after an error
+/// A copy on the same elements, with its own fields. @param copy empty before; destroy it even after an error
 rsv_status rsv_diffused_level_copy(rsv_context *context, const rsv_diffused_level *level,
     size_t material_count, rsv_diffused_level *copy);
 
@@ -45,10 +45,11 @@ rsv_rgb rsv_light_view_diffused(
 rsv_rgb rsv_light_view_diffused_direct(
     const struct rsv_light_view *light, uint32_t face, float u, float v);
 
-/// The share of detail below the size of a cell that survives diffusion: all of it on surfaces that are not translucent.
+/// The share of detail below the size of a cell that survives diffusion: all of it on surfaces that are not
+/// translucent.
 rsv_rgb rsv_diffused_share(const rsv_elements *elements, uint32_t cell);
 
-/// The direct irradiance that the level knows at a place, and the share of unknown detail that survives.
+/// The direct irradiance of the level at a point, and the fraction of unresolved detail that survives.
 typedef struct rsv_unresolved {
     rsv_rgb known, share;
 } rsv_unresolved;

@@ -56,7 +56,7 @@ static void add_source(rsv_diffusion_rows *d, size_t *at, size_t source, float s
     d->share[(*at)++] = share;
 }
 
-/// What the mean of a cluster is made of: corners of its cells, or its children by their areas.
+/// Adds the sources of a cluster's mean: corners of its cells, or its children by their areas.
 static void add_sources(
     const rsv_scatter_sources *s, uint32_t cluster, rsv_diffusion_rows *d, size_t *at)
 {

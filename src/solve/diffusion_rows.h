@@ -1,5 +1,5 @@
-/// The diffusion P of translucent bodies (diffusion/subsurface.h) as plain arrays: rows of nodes and clusters, and the means
-/// that clusters are, in levels of which each needs those before it alone.
+/// The diffusion P of translucent bodies (diffusion/subsurface.h) as plain arrays: rows of nodes and clusters, and the
+/// means of clusters, in levels that only depend on earlier ones.
 #ifndef RSV_DIFFUSION_ROWS_H
 #define RSV_DIFFUSION_ROWS_H
 
@@ -7,10 +7,10 @@
 
 typedef struct rsv_diffusion_rows {
     size_t row_count;
-    uint32_t *node;         ///< [row_count] that have a row: the others keep what enters
+    uint32_t *node;         ///< [row_count] nodes that have a row; other nodes keep their entering light
     size_t *row_begin;      ///< [row_count + 1] into column and weight
     const uint32_t *column; ///< nodes, then node_count + cluster; the subsurface's
-    const rsv_rgb *weight;  ///< likewise
+    const rsv_rgb *weight;  ///< the same length as its columns
     size_t mean_count;      ///< clusters
     uint32_t *mean;         ///< [mean_count] node_count + cluster, level by level
     uint32_t *mean_begin;   ///< [mean_count + 1] into source and share

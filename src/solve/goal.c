@@ -44,8 +44,8 @@ static float typical_density(const rsv_elements *e, const rsv_rgb *density)
     return weights > 0 ? (float)(sum / weights) : 0;
 }
 
-/// Replaces densities by sizes. Linear elements err by a multiple of their area h^2, and of a reading, which is linear in
-/// that, by density d times it: for a given number of elements the sum is least where d h^2 times an element's area,
+/// Replaces densities by sizes. Linear elements err by a multiple of their area h^2, and of a reading, which is linear
+/// in that, by density d times it: for a given number of elements the sum is least where d h^2 times an element's area,
 /// d h^4, is the same all over.
 static void set_sizes(const rsv_elements *e, rsv_rgb *density)
 {

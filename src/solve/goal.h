@@ -1,9 +1,9 @@
-/// Elements for one picture, or for the readings of sensors: importance says where errors are seen.
+/// Elements for one picture, or for the readings of sensors, by importance.
 ///
-/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and
-/// z = (I - (G K)*)^-1 w what a unit of *source* there does, after all reflections. An element far from what matters may
-/// be larger: by the fourth root of how much less important its area is, as the square of what linear elements err goes
-/// with the fourth power of their size.
+/// w is the effect of a unit of irradiance at each node on the goal (the picture's mean luminance or the mean reading),
+/// and z = (I - (G K)*)^-1 w the effect of a unit of *source* there, after all reflections. An element may be larger by
+/// the fourth root of how much less important its area is, because the squared error of linear elements grows with the
+/// fourth power of their size.
 #ifndef RSV_GOAL_H
 #define RSV_GOAL_H
 
@@ -15,14 +15,14 @@ typedef struct rsv_goal {
     rsv_rgb *size;          ///< [node_count] factor, in all channels
 } rsv_goal;
 
-/// What matters: a camera's picture, or the mean reading of sensors.
+/// The goal: a camera's picture, or the mean reading of sensors.
 typedef struct rsv_goal_aim {
     uint32_t camera;        ///< RSV_NONE = the sensors
     const rsv_probe *point; ///< [point_count]
     size_t point_count;
 } rsv_goal_aim;
 
-/// What a description asks for.
+/// The goal of a description.
 rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc);
 bool rsv_goal_is_wanted(const rsv_goal_aim *aim);
 
@@ -35,11 +35,11 @@ rsv_status rsv_check_probes(const rsv_probe *probes, size_t count);
 rsv_status rsv_goal_weights(
     const rsv_operator *op, const rsv_goal_aim *aim, uint32_t side, uint32_t seed, rsv_rgb *weight);
 
-/// The same ray by ray. Adds what the radiance at a ray's diffuse end weighs. @param share of the goal that this radiance is
+/// The same for one ray: adds the weight of the radiance at its diffuse end. @param share fraction of the goal
 void rsv_goal_weigh_end(
     const rsv_operator_view *op, const rsv_specular_path *end, float share, rsv_rgb *weight);
-/// Then, once: from weights of what surfaces show to those of the irradiance that enters them, at free nodes (P* on translucent
-/// ones).
+/// Converts, once, the weights of surfaces' light to those of entering irradiance, at free nodes (with P* on
+/// translucent ones).
 rsv_status rsv_goal_enter(const rsv_operator_view *op, rsv_rgb *weight);
 
 /// z for given w. @param max_orders applications of G K at most @param importance [node_count]
@@ -49,7 +49,7 @@ rsv_status rsv_goal_importance(
 /// Importance per area, for evaluation between nodes. @param importance in and out, hanging nodes filled
 void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 
-/// Finds the sizes for what a description asks for, from an operator on coarse elements, which the goal keeps.
+/// Finds the sizes of elements for a description, from an operator on coarse elements, which the goal keeps.
 rsv_status rsv_goal_create(const rsv_operator *op, const rsv_solve_desc *desc, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 

@@ -10,7 +10,7 @@
 
 typedef struct rsv_krylov rsv_krylov;
 
-/// What it is made of; borrowed.
+/// Parts of the system; borrowed.
 typedef struct rsv_krylov_system {
     rsv_team *team;
     const rsv_transport *transport; ///< the rows of this process, and whose the others are
@@ -20,12 +20,12 @@ typedef struct rsv_krylov_system {
     void (*parallel_for)(const rsv_context *context, size_t count, size_t grain,
         void (*body)(void *job, rsv_span span), void *job);
     const rsv_context *context; ///< whose workers apply the rows
-    /// exitance = K field on all nodes, where light leaves elsewhere than it entered; NULL = K is the albedo alone
+    /// exitance = K field on all nodes, if light leaves elsewhere than it entered; NULL = K is only the albedo
     void (*scatter)(void *user, const rsv_rgb *field, rsv_rgb *exitance);
     void *user;
 } rsv_krylov_system;
 
-/// What one application of G K has to move.
+/// Communication for one application of G K.
 typedef struct rsv_krylov_traffic {
     size_t received; ///< numbers that this process needs from others
     size_t senders;  ///< processes that they come from
@@ -37,7 +37,7 @@ typedef struct rsv_krylov_report {
     bool converged;      ///< false if the method gave up
 } rsv_krylov_report;
 
-/// All calls are collective. Failures are alike in all processes and leave their text in `message` [RSV_MESSAGE_BYTES].
+/// All calls are collective. Failures are the same in all processes and set `message` [RSV_MESSAGE_BYTES].
 struct rsv_krylov_table {
     rsv_status (*create)(const rsv_krylov_system *system, rsv_krylov **krylov, char *message);
     void (*destroy)(rsv_krylov *krylov);
@@ -45,8 +45,8 @@ struct rsv_krylov_table {
     /// @param relative tolerance, unless PETSc's options say another
     rsv_status (*solve)(rsv_krylov *krylov, const rsv_rgb *residual, double relative,
         rsv_rgb *correction, rsv_krylov_report *report, char *message);
-    /// The eigenvalues of G K, of all channels together, that are largest by magnitude.
-    /// @param count wanted in, found out @param value [2 x count] real and imaginary parts
+    /// The eigenvalues of G K with the largest magnitude, of all channels together.
+    /// @param count in: number wanted, out: number found @param value [2 x count] real and imaginary parts
     rsv_status (*eigenvalues)(rsv_krylov *krylov, size_t *count, double *value, char *message);
     rsv_krylov_traffic (*traffic)(const rsv_krylov *krylov);
 };

@@ -217,7 +217,7 @@ rsv_status rsv_light_copy(const rsv_light *from, rsv_light **copy)
     rsv_light *s = NULL;
     RSV_TRY(rsv_light_begin_like(from, from->sources, &s));
     RSV_TRY(rsv_light_assign(s, from));
-    // a world that may be changed is nobody else's
+    // a world that may change must not be shared
     if (from->world->variant) RSV_TRY(rsv_light_part_world(s));
     if (from->basis && rsv_light_basis_is_scaled(from->basis)) {
         RSV_TRY(rsv_light_basis_copy(from->basis, s, &s->basis));

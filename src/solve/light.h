@@ -1,7 +1,7 @@
-/// The light of a scene: E = E0 + G K E, solved on the elements of an operator, with E0 on finer levels beside.
+/// The light of a scene: E = E0 + G K E, solved on the elements of an operator, with E0 also on finer levels.
 ///
-/// Other rooms read a light through its view and change it through the functions here. As many lights of one operator as
-/// are wanted live side by side.
+/// Other rooms read a light through its view, and change it through the functions here. One operator can have any
+/// number of lights.
 #ifndef RSV_LIGHT_H
 #define RSV_LIGHT_H
 
@@ -12,7 +12,7 @@
 #include "operator.h"
 #include "resolvent/solve.h"
 
-/// What a light consists of on the elements of its operator and on levels of its own.
+/// Fields of a light, on the elements of its operator and on its own levels.
 typedef struct rsv_light_fields {
     rsv_rgb *gathered;               ///< [node_count] the part of E0 that gather rays found
     rsv_rgb *source;                 ///< [node_count] E0, all of it, on the coarse elements
@@ -22,17 +22,17 @@ typedef struct rsv_light_fields {
     rsv_rgb *indirect;           ///< [node_count] sum of the orders from 1 on
     rsv_source_level fine;       ///< direct; elements NULL = direct light is the coarse `source`
     rsv_source_level caustics;   ///< elements NULL = there are none
-    rsv_diffused_level diffused; ///< what translucent surfaces show; elements NULL = there are none
+    rsv_diffused_level diffused; ///< light of translucent surfaces; elements NULL = there are none
 } rsv_light_fields;
 
-/// All of a light, to be looked up. Stays where it is while the light lives, and follows its changes.
+/// A light for lookups. It does not move while the light exists, and follows its changes.
 typedef struct rsv_light_view {
     const rsv_light *light; ///< whose view this is
     rsv_context *context;
     const rsv_operator *op;
-    rsv_transport_scene scene; ///< as this light has it
+    rsv_transport_scene scene; ///< of this light
     const rsv_tracer *tracer;  ///< of that
-    const rsv_bsdf *bsdf;      ///< likewise
+    const rsv_bsdf *bsdf;      ///< of this light
     const rsv_lights *lights;
     const rsv_fog_lights *fog_lights; ///< the same as fog is lit by them; NULL = the air is clear
     rsv_solve_desc desc;
@@ -52,7 +52,7 @@ typedef struct rsv_light_view {
     const rsv_rgb *indirect;     ///< [node_count] sum of the orders from 1 on
     rsv_source_level fine;       ///< direct; elements NULL = direct light is the coarse `source`
     rsv_source_level caustics;   ///< elements NULL = there are none
-    rsv_diffused_level diffused; ///< what translucent surfaces show; elements NULL = there are none
+    rsv_diffused_level diffused; ///< light of translucent surfaces; elements NULL = there are none
     rsv_rgb gathered_scale; ///< factor of the emission that rows gathered when they were traced
     double pocket_area; ///< m2 of elements left dark, as they absorb nothing and hardly see light
 
@@ -64,31 +64,31 @@ const rsv_light_view *rsv_light_get_view(const rsv_light *light);
 
 void rsv_light_fields_free(rsv_context *context, rsv_light_fields *fields);
 
-/// A light from what was kept of one.
+/// Restores a light from stored data.
 /// @param op, sources retained
-/// @param desc what it was made for; goal_points are copied
-/// @param fields taken over, even on failure
+/// @param desc of the original solve; goal_points are copied
+/// @param fields owned by the light, even on failure
 rsv_status rsv_light_restore(rsv_operator *op, rsv_light_sources *sources,
     const rsv_solve_desc *desc, const rsv_light_fields *fields, const rsv_solve_report *report,
     rsv_light **light);
 
-/// RSV_ERROR_UNSUPPORTED where the light's scene has fog. @param what will not go on: "a frame"
+/// RSV_ERROR_UNSUPPORTED if the light's scene has fog. @param what cannot be done: "a frame"
 rsv_status rsv_light_refuse_fog(const rsv_light_view *light, const char *what);
 
-/// Whether each source's part of E0 can be told: fog that scatters unevenly turns light of all sources into rows, and fog that
-/// emits has no source.
+/// Whether each source's part of E0 is known. With anisotropic fog, the light of all sources is in the rows; and
+/// emission of fog has no source.
 bool rsv_light_has_parts(const rsv_light_view *light);
 /// RSV_ERROR_UNSUPPORTED where it cannot.
 rsv_status rsv_light_require_parts(const rsv_light_view *light);
 
-/// Direct irradiance from the fine level where there is one.
-/// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
+/// Direct irradiance, from the fine level if there is one.
+/// @param skip_sampled without the light that next-event estimation finds, which the caller samples
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *light, uint32_t face, float u, float v, bool skip_sampled);
 
-/// What is stored at a voxel (elements/voxels.h), as of order 0 (all of E0, or what was gathered of it), of one further order,
-/// or of all from 1 on (RSV_NONE); times the fog's albedo, over pi: radiance that is scattered there to all sides alike.
-/// @param skip_sampled leave out of order 0 what next-event estimation finds: the caller does that itself
+/// Stored light of a voxel (elements/voxels.h): of order 0 (all of E0, or its gathered part), of one further order, or
+/// of all from 1 on (RSV_NONE); times the fog's albedo / pi: isotropically scattered radiance.
+/// @param skip_sampled without the part of order 0 that next-event estimation finds, which the caller samples
 rsv_rgb rsv_light_view_scattered(
     const rsv_light_view *light, uint32_t node, uint32_t order, bool skip_sampled);
 
@@ -99,7 +99,7 @@ rsv_rgb rsv_light_view_irradiance(const rsv_light_view *light, uint32_t triangle
 /// Of the random numbers of the direct and caustic levels.
 static inline uint32_t rsv_level_seed(uint32_t seed) { return seed ^ 0x2545f491u; }
 
-/// Coarse elements are few and each feeds all others: their direct light gets so many times the shadow rays.
+/// Coarse elements are few, and each one affects all others: their direct light gets this many times the shadow rays.
 #define RSV_COARSE_LIGHT_FACTOR 2
 
 #endif

@@ -81,7 +81,7 @@ rsv_status rsv_light_basis_allocate(rsv_context *context, size_t count, rsv_ligh
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// A source as the light has it.
+/// Records the present strength of a source.
 static void note_source(const rsv_light *s, const rsv_source *source, rsv_light_basis *b, size_t k)
 {
     const rsv_rgb *strength = rsv_source_strength(s->scene.view, source);
@@ -162,7 +162,7 @@ void rsv_light_basis_name_sources(rsv_light_basis *b, const rsv_scene_view *scen
     }
 }
 
-/// @param copy out, to be freed; NULL where there is nothing to copy
+/// @param copy out, freed by the caller; NULL if there is nothing to copy
 static rsv_status copy_field(
     rsv_context *context, const rsv_rgb *from, size_t length, rsv_rgb **copy)
 {
@@ -357,8 +357,8 @@ static const rsv_elements *level_of(const rsv_light *s, size_t field)
     return field == CAUSTIC ? s->field.caustics.elements : NULL;
 }
 
-/// Divides the whole of a field in proportion to what each source gave by itself. On levels every part is continuous as
-/// the whole is, so that finer elements can hold it unchanged.
+/// Divides a field in proportion to the separate estimates of the sources. On levels, every part is as continuous as
+/// the total, so that finer elements can represent it exactly.
 static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
 {
     size_t length = rsv_light_field_length(s, field), count = b->source_count;

@@ -1,7 +1,8 @@
-/// E0 light by light: parts that add up to the whole, so that scaling them relights a scene without a ray.
+/// E0 of each light separately: contributions that add up to the total, so that scaling them relights a scene without
+/// tracing rays.
 ///
-/// Each source is sampled by itself; then every value of the whole is divided in proportion to those estimates. So
-/// the whole stays what it was, byte by byte, and where one source shines alone its part is exact.
+/// Each source is sampled separately. Then every value of the total is divided in proportion to those estimates. The
+/// total therefore stays the same, byte for byte, and where only one source shines, its contribution is exact.
 #ifndef RSV_LIGHT_BASIS_H
 #define RSV_LIGHT_BASIS_H
 
@@ -14,7 +15,7 @@ struct rsv_light;
 /// The fields of one source, on their own sets of elements; NULL where the solution has none.
 typedef struct rsv_light_part {
     rsv_rgb *direct;         ///< on the coarse elements, next-event estimates
-    rsv_rgb *coarse_caustic; ///< likewise, caustics
+    rsv_rgb *coarse_caustic; ///< the same for caustics
     rsv_rgb *fine;           ///< of the direct level
     rsv_rgb *caustic;        ///< of the caustic level
 } rsv_light_part;
@@ -42,9 +43,9 @@ size_t rsv_light_field_length(const struct rsv_light *solution, size_t field);
 /// @param basis out; without parts if there are fewer than two sources, or their parts would take more than
 /// RSV_MAX_PART_BYTES
 rsv_status rsv_light_basis_create(const struct rsv_light *solution, rsv_light_basis **basis);
-/// A basis whose parts are to be filled.
+/// A basis without contributions, to be filled.
 rsv_status rsv_light_basis_create_empty(const struct rsv_light *solution, rsv_light_basis **basis);
-/// What samples of one source may cost, beside `valid`: receiver points of the direct level that are not inside anything.
+/// Sampling effort for one source, and `valid`: receiver points of the direct level that are not buried.
 typedef struct rsv_light_effort {
     uint32_t coarse_samples, fine_samples; ///< shadow rays per element of either level
     uint32_t photons;
@@ -53,15 +54,15 @@ typedef struct rsv_light_effort {
         *fine; ///< of either level, where a preview will do; NULL = nowhere
 } rsv_light_effort;
 
-/// All that the solution's own description asks for. @param valid borrowed
+/// The full effort of the solution's own description. @param valid borrowed
 rsv_light_effort rsv_full_light_effort(const struct rsv_light *solution, const uint16_t *valid);
 
-/// @param valid out, to be freed; NULL if there is no direct level
+/// @param valid out, freed by the caller; NULL if there is no direct level
 rsv_status rsv_find_fine_valid(const struct rsv_light *solution, uint16_t **valid);
 
-/// Samples one of the lights by itself. @param part its arrays are created where it has none; to be freed by
-/// rsv_light_part_free even after an error
-/// @param rays is added to
+/// Samples one of the lights separately. @param part its arrays are created if missing; free it with
+/// rsv_light_part_free, even after an error
+/// @param rays incremented by the number of rays
 rsv_status rsv_light_part_estimate(const struct rsv_light *solution, const rsv_lights *lights,
     const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays);
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
@@ -75,7 +76,7 @@ bool rsv_light_basis_is_known(const rsv_light_basis *basis);
 /// @param basis of `from` @param solution a copy of that light, whose sources are named in the copy
 rsv_status rsv_light_basis_copy(
     const rsv_light_basis *basis, const struct rsv_light *solution, rsv_light_basis **copy);
-/// A basis of so many sources, without any. @param basis out
+/// A basis for a number of sources, without their contributions. @param basis out
 rsv_status rsv_light_basis_allocate(
     rsv_context *context, size_t source_count, rsv_light_basis **basis);
 /// Takes over names and nodes from a scene.
@@ -92,10 +93,10 @@ bool rsv_light_keeps_parts(const struct rsv_light *solution, const rsv_light_bas
 /// RSV_ERROR_UNSUPPORTED where parts do not fit.
 rsv_status rsv_light_basis_check(const struct rsv_light *solution, const rsv_light_basis *basis);
 
-/// Where the solution keeps a field; all its sources together, in the first one with what rows gathered and caustics.
+/// A field of the solution, for all its sources together; the first field includes gathered light and caustics.
 rsv_rgb *rsv_light_field(const struct rsv_light *solution, size_t field);
 
-/// What the next-event estimates and caustics of a solution are, all sources together. @param total [length of field]
+/// Next-event estimates and caustics of a solution, for all sources together. @param total [length of field]
 void rsv_light_total(const struct rsv_light *solution, size_t field, rsv_rgb *total);
 
 #endif

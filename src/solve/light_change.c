@@ -92,7 +92,7 @@ static void paint_nodes(void *data, rsv_span span)
     }
 }
 
-/// Albedos of the operator, those of changed materials anew. @param albedo out: to be freed
+/// Albedos of the operator, recomputed for changed materials. @param albedo out: freed by the caller
 static rsv_status paint(const rsv_light *s, const bool *changed, rsv_rgb **albedo)
 {
     const rsv_elements *e = s->elements;

@@ -68,7 +68,7 @@ static void carry_nodes(void *data, rsv_span span)
     }
 }
 
-/// A field on the new elements: what it was at nodes that stay, between others at the rest.
+/// A field on the new elements: unchanged at nodes that stay, interpolated at others.
 static rsv_status carry(const rsv_elements *then, const rsv_divided_elements *d, rsv_rgb **field)
 {
     const rsv_elements *e = d->elements;

@@ -1,13 +1,13 @@
-/// Lights of scenes in which surfaces move: nothing but what a motion touched is found again.
+/// Lights of scenes in which surfaces move: only the parts that a motion affects are computed again.
 ///
-/// 1. Boxes around what moved, where it was and where it is (rsv_scene_change).
-/// 2. Coarse elements: beside boxes, what is buried is judged again (update/moved_elements.h); where something newly cuts
-///    through cells, and where any contact changed once all rests, they are divided again (light_divide.c), and what is the same
-///    keeps its rays and its light.
-/// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h).
-/// 4. Direct light: nodes from which a line to a source meets a box are sampled again (update/light_shafts.h); the fine level
-///    is split further there (direct/source_follow.c) and, once splits pile up, built anew (update/level_before.h).
-/// 5. E = E0 + G K E is solved on from the E of before.
+/// 1. Boxes around the old and new places of everything that moved (rsv_scene_change). 2. Coarse elements: near boxes,
+/// buried points are found again (update/moved_elements.h). Where something newly cuts cells, and
+///    wherever contacts have changed once everything rests, elements are divided again (light_divide.c). Unchanged ones keep
+///    their rays and light.
+/// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h). 4. Direct light: nodes are sampled again
+/// if a line from them to a source meets a box (update/light_shafts.h). The fine level is
+///    split further there (direct/source_follow.c) and, once splits accumulate, built again (update/level_before.h).
+/// 5. E = E0 + G K E is solved, starting from the previous E.
 #include "../core/device.h"
 #include "../core/parallel.h"
 #include "../core/team.h"
@@ -23,9 +23,9 @@
 
 typedef rsv_light_motion motion;
 
-// ---- what moved -----------------------------------------------------------------------------------
+// ---- motion --------------------------------------------------------------------------------------
 
-/// Adds boxes around what moved, as it stands in the light's own scene.
+/// Adds boxes around everything that moved, at its place in the light's own scene.
 static void add_boxes(motion *m)
 {
     const rsv_scene_view *view = m->s->world->scene.view;
@@ -153,7 +153,7 @@ static rsv_status copy_valid_points(motion *m)
     return RSV_OK;
 }
 
-/// An operator of divided elements, whose rows are still to be patched.
+/// An operator of divided elements, whose rows remain to be patched.
 static rsv_status divide_operator(motion *m, bool from_first)
 {
     rsv_light *s = m->s;
@@ -214,7 +214,7 @@ cleanup:
 
 typedef struct known_job {
     const motion *motion;
-    const uint8_t *changed; ///< what rsv_light_shafts_find_changed found
+    const uint8_t *changed; ///< from rsv_light_shafts_find_changed
     uint8_t *known;
 } known_job;
 
@@ -228,7 +228,7 @@ static void mark_known(void *data, rsv_span span)
                         !rsv_node_is_beside(e, n, &m->change);
 }
 
-/// Nodes whose direct light is what it was. @param known [node_count] zeros in
+/// Nodes whose direct light has not changed. @param known [node_count] zeros in
 static rsv_status find_known(motion *m, uint8_t *known)
 {
     const rsv_elements *e = m->s->elements;
@@ -261,7 +261,8 @@ cleanup:
     return status;
 }
 
-/// Builds the level of direct light anew where anything moved since that was done last; its splits are those of a solve then.
+/// Builds the level of direct light again if anything has moved since the last time; its splits are then those of a
+/// solve.
 static rsv_status divide_again(motion *m, const rsv_level_limits *limits)
 {
     rsv_light *s = m->s;
@@ -363,7 +364,7 @@ cleanup:
     return status;
 }
 
-/// Coarse elements without the splits of the way, and what that changes.
+/// Removes splits of coarse elements that earlier motions left, and updates what depends on them.
 static rsv_status settle_operator(motion *m)
 {
     rsv_light *s = m->s;

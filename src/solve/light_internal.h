@@ -1,4 +1,4 @@
-/// What a light holds; for those who find it.
+/// The contents of a light, for the files that compute it.
 #ifndef RSV_LIGHT_INTERNAL_H
 #define RSV_LIGHT_INTERNAL_H
 
@@ -11,9 +11,9 @@ struct rsv_light {
     rsv_context *context;
     rsv_operator *op;             ///< of its world's colours
     const rsv_elements *elements; ///< of that: coarse, the unknowns
-    rsv_world *world;             ///< the scene as it has it
+    rsv_world *world;             ///< the scene of this light
     rsv_transport_scene
-        scene; ///< of that; while it is built with what is known from before an edit
+        scene; ///< of the world; during the build with results from before an edit
     rsv_light_sources *sources; ///< of that world
     rsv_solve_desc desc;        ///< goal_points are those below
     rsv_probe *goal_points;     ///< a copy; NULL = none
@@ -23,16 +23,16 @@ struct rsv_light {
     double pocket_area;
     rsv_light_basis *basis;
     rsv_solve_report report;
-    struct rsv_following *following; ///< what moving surfaces need; NULL = nothing has moved yet
+    struct rsv_following *following; ///< data for moving surfaces; NULL = nothing has moved yet
     rsv_update_report
-        update; ///< what was kept from before an edit, as far as `report` does not say
+        update; ///< reuse after an edit, as far as it is not in `report`
 
     rsv_light_view view; ///< all of that, for others
 };
 
-/// A light without E0: sources, and room for E0 on the coarse elements.
+/// A light without E0: sources, and memory for E0 on the coarse elements.
 /// @param op, sources retained
-/// @param scene of the operator's world, with what is known from before an edit; copied
+/// @param scene of the operator's world, with results from before an edit; copied
 rsv_status rsv_light_begin(rsv_operator *op, rsv_light_sources *sources,
     const rsv_transport_scene *scene, const rsv_solve_desc *desc, rsv_light **light);
 
@@ -45,19 +45,19 @@ rsv_status rsv_light_check_bounded(rsv_light *light);
 /// Gives a light a variant of the world that it has.
 rsv_status rsv_light_part_world(rsv_light *light);
 
-/// Says in the log what a reader of the solution must know.
+/// Logs warnings about the solution.
 void rsv_light_warn_if_unbounded(const rsv_light *light);
 
 /// Frees the orders that are kept apart; there are none then.
 void rsv_light_drop_orders(rsv_light *light);
 
-/// Solves E = E0 + G K E: keeps the first orders of light one by one, leaves the rest to the solver that the description
-/// asks for or the norm suggests. Fills the report.
-/// @param max_orders applications of G K at most
+/// Solves E = E0 + G K E: keeps the first orders of light separately, and leaves the rest to the solver in the
+/// description, or the one that suits the norm. Fills the report.
+/// @param max_orders maximum number of applications of G K
 rsv_status rsv_solve_orders(rsv_light *light, uint32_t max_orders);
 
-/// Solves E = E0 + G K E again after E0 and G changed a little, from the E that there is. Orders are not kept apart any more;
-/// the spectral radius stays that of before.
+/// Solves E = E0 + G K E again after E0 and G changed a little, from the E that there is. Orders are not kept apart any
+/// more; the spectral radius stays that of before.
 rsv_status rsv_solve_on(rsv_light *light);
 
 /// The same with as many applications as the description allows, and then the spectral radius, converged.

@@ -1,5 +1,5 @@
-/// Solved light at many points at once. A lookup waits for memory more than it computes, so the points of a block go through
-/// each step side by side, and what the next step reads is fetched meanwhile.
+/// Solved light at many points. A lookup mostly waits for memory, so the points of a block go through each step
+/// together, and data for the next step is prefetched.
 #include "../core/parallel.h"
 #include "light.h"
 
@@ -15,7 +15,7 @@ typedef struct term {
     const rsv_rgb *value; ///< [node_count]
 } term;
 
-/// What is summed, in the order of rsv_light_view_irradiance, so that sums are the same to the last bit.
+/// The sum of a lookup, in the order of rsv_light_view_irradiance, so that sums are equal to the last bit.
 typedef struct lookup {
     const rsv_elements *coarse; ///< whose faces all levels share
     const rsv_elements *level[3];

@@ -16,7 +16,7 @@ static rsv_status begin(rsv_context *context, rsv_light_sources **sources)
     return s->bin_radiance ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// Tells gather rays and shadow rays what each of them finds of the surroundings.
+/// Divides the environment between gather rays and shadow rays.
 static rsv_status divide_environment(rsv_light_sources *s)
 {
     rsv_environment_light *environment = s->lights->environment;

@@ -17,8 +17,8 @@ typedef struct rsv_light_sources {
         *environment; ///< of their own, in place of that of the whole; NULL = none
 } rsv_light_sources;
 
-/// The sources of a world, divided between rays that gather and rays that aim.
-/// @param like lights of the same scene whose emitters are divided in the way that is wanted; NULL = as is best
+/// The sources of a world, divided into gathered and sampled ones.
+/// @param like lights of the same scene whose division is used; NULL = choose the best
 rsv_status rsv_light_sources_create(
     const rsv_world *world, const rsv_lights *like, rsv_light_sources **sources);
 
@@ -26,7 +26,7 @@ rsv_status rsv_light_sources_create(
 rsv_status rsv_light_sources_select(
     rsv_light_sources *whole, const rsv_source *source, size_t count, rsv_light_sources **sources);
 
-/// The surroundings alone, at another rotation: degrees as in rsv_environment.
+/// The environment alone, with another rotation: degrees as in rsv_environment.
 rsv_status rsv_light_sources_turn(
     rsv_light_sources *whole, const rsv_scene *scene, float rotation, rsv_light_sources **sources);
 

@@ -1,4 +1,4 @@
-/// How evenly rows of G can be divided, and what the parts would have to tell each other, without any other process.
+/// How evenly rows of G can be divided, and how much the parts would communicate, computed in a single process.
 #include "../core/parallel.h"
 #include "../operator/row_tracer.h"
 #include "light_internal.h"
@@ -20,7 +20,7 @@ static void time_block(const rsv_row_tracer *tracer, const rsv_division *d, size
     }
 }
 
-/// What workers share that time rows.
+/// Data shared by workers that time rows.
 typedef struct time_job {
     const rsv_row_tracer *tracer;
     const rsv_division *division;
@@ -45,7 +45,7 @@ static void time_blocks(void *data, int worker)
     rsv_row_scratch_destroy(d->context, &scratch);
 }
 
-/// Traces all rows once more and notes the time of each, along the curve; what was less before stays.
+/// Traces all rows again and records the time of each, along the curve; keeps earlier times that were shorter.
 static rsv_status time_rows(
     const rsv_row_tracer *tracer, const rsv_division *division, float *seconds)
 {
@@ -57,7 +57,7 @@ static rsv_status time_rows(
     return job.status == RSV_OK ? rsv_progress(division->context, "divide", 1) : job.status;
 }
 
-/// What one part's rows ask others for.
+/// Values that the rows of one part need from others.
 typedef struct demand {
     const rsv_elements *elements;
     const uint32_t *owner; ///< [node_count] part of each node

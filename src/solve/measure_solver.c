@@ -6,7 +6,7 @@
 #include "resolvent/measure.h"
 #include "solve_constants.h"
 
-/// Passes on what a solver tells, after what was there before it.
+/// Passes on a solver's reports, offset by what happened before it.
 typedef struct listener {
     void (*observe)(void *user, double applications, double residual);
     void *user;

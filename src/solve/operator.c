@@ -24,8 +24,8 @@ bool rsv_reflects_diffusely(const rsv_transport_scene *scene)
     return false;
 }
 
-/// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
-/// light that is scattered diffusely, which gather rays take care of, as they do of what is cut out.
+/// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the fraction of
+/// light that is scattered diffusely, which gather rays account for, as they do for cut-outs.
 static rsv_rgb mean_albedo(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, uint32_t node)
 {

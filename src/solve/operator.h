@@ -1,7 +1,7 @@
-/// The light-transport operator of a scene: which share of the light that arrives at each element arrives at every other
-/// one next, G K. Constant once it is made; lights of it come and go (light.h).
+/// The light-transport operator of a scene, G K: the fraction of the light arriving at each element that arrives at
+/// each other one next. Constant once it is created, while its lights come and go (light.h).
 ///
-/// G, the rows, is what costs: operators of other albedos (K) share it with the one that they vary.
+/// The rows, G, are the expensive part: operators with other albedos (K) share them with the operator that they vary.
 #ifndef RSV_OPERATOR_H
 #define RSV_OPERATOR_H
 
@@ -11,10 +11,10 @@
 #include "transport_map.h"
 #include "world.h"
 
-/// What an operator is made of. All of it is constant but for scratch memory within `subsurface`.
+/// Parts of an operator. All are constant, except for scratch memory in `subsurface`.
 typedef struct rsv_operator_view {
     rsv_context *context;
-    rsv_world *world;             ///< whose surfaces it is made of
+    rsv_world *world;             ///< with its surfaces
     rsv_elements *elements;       ///< where light is stored: the unknowns
     const uint16_t *valid_points; ///< [node_count] receiver points that are not buried, bit by bit
     rsv_transport *transport;     ///< G
@@ -31,7 +31,7 @@ typedef struct rsv_operator_desc {
 
 rsv_status rsv_operator_trace(const rsv_operator_desc *desc, rsv_operator **op);
 
-/// The same from what was kept of one. @param parts world and elements are retained, all else is taken over, even on failure
+/// Restores an operator. @param parts world and elements are retained, everything else is owned, even on failure
 rsv_status rsv_operator_restore(const rsv_operator_view *parts, rsv_operator **op);
 
 /// The same rows with other albedos. @param world whose they are; retained @param albedo [node_count], copied
@@ -47,12 +47,12 @@ const rsv_operator_view *rsv_operator_get_view(const rsv_operator *op);
 rsv_rgb rsv_element_albedo(
     const rsv_transport_scene *scene, const rsv_elements *elements, uint32_t seed, uint32_t node);
 
-/// Albedos of all nodes. @param albedo out: [node_count], to be freed
+/// Albedos of all nodes. @param albedo out: [node_count], freed by the caller
 rsv_status rsv_element_albedos(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t seed, rsv_rgb **albedo);
 
-/// Whether any material reflects diffusely. Where none does, irradiance is of no consequence: what cameras and probes see
-/// comes straight from the sources.
+/// Whether any material reflects diffusely. If none does, irradiance has no effect: cameras and probes see only light
+/// straight from the sources.
 bool rsv_reflects_diffusely(const rsv_transport_scene *scene);
 
 /// G K as a linear map for solvers; borrows the operator. @param fields RGB fields at once, at most

@@ -27,7 +27,7 @@ rsv_status rsv_operator_apply_transpose(
     RSV_TRY(rsv_transport_map_transpose(map));
     memcpy(weight, field, nodes * sizeof *weight);
     rsv_elements_constrain_transpose(
-        map->elements, 1, weight); // the map knows no values of hanging nodes
+        map->elements, 1, weight); // the map has no values at hanging nodes
     map->linear.table->apply_transpose(map->linear.data, 3, &weight->r, &image->r);
 cleanup:
     rsv_transport_map_destroy(map);

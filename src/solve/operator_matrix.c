@@ -1,4 +1,4 @@
-/// The factors of G K as sparse matrices, for those who do linear algebra of their own.
+/// The factors of G K as sparse matrices, for other linear algebra.
 #include "operator.h"
 
 #include <string.h>
@@ -23,7 +23,7 @@ static rsv_status begin(
     return m->row_start ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// Room for so many further entries.
+/// Allocates memory for further entries.
 static rsv_status reserve(matrix_rows *rows, size_t count)
 {
     rsv_sparse_matrix *m = rows->matrix;
@@ -85,7 +85,7 @@ static rsv_status find_propagation(const rsv_operator_view *op, uint32_t channel
 
 // ---- C --------------------------------------------------------------------------------------------
 
-/// What a node's value is, by nodes that do not hang. Parents that hang have their rows already.
+/// A hanging node's value in terms of free nodes. Hanging parents have their rows already.
 static rsv_status add_hanging_row(
     const rsv_elements *e, const matrix_rows *parents, size_t index, matrix_rows *rows)
 {

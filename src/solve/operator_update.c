@@ -1,4 +1,4 @@
-/// Updates in memory: each solve reads what the one before kept, and keeps its own beside it until it is done.
+/// Updates in memory: each solve reads the results of the previous one, and stores its own separately until it is done.
 #include "../core/descriptor.h"
 #include "builder.h"
 #include "resolvent/update.h"

@@ -1,5 +1,5 @@
-/// E = sum (G K)^n E0. The first orders are kept one by one, as layers of pictures; what follows them is kept as
-/// one, and a faster solver may find it.
+/// E = sum (G K)^n E0. The first orders are kept separately, as layers of pictures. The rest is kept as one, and a
+/// faster solver may compute it.
 #include "light_internal.h"
 
 #include "../core/team.h"
@@ -23,7 +23,7 @@ static double largest(const rsv_rgb *value, size_t count)
     return max;
 }
 
-/// What the solution of one system needs beside the solution.
+/// Data for solving one system.
 typedef struct series {
     rsv_light *s;
     rsv_transport_map *map;
@@ -37,7 +37,7 @@ static void apply(const series *q, const rsv_rgb *field, rsv_rgb *image)
     q->map->linear.table->apply(q->map, 3, &field->r, &image->r);
 }
 
-/// ||G K||_inf: what comes of an irradiance of 1 everywhere.
+/// ||G K||_inf: the result of an irradiance of 1 everywhere.
 static double operator_norm(const series *q)
 {
     size_t nodes = q->s->elements->node_count;
@@ -100,8 +100,9 @@ static double blacken_pockets(
     return area;
 }
 
-/// Leaves pockets dark: no light starts there, and what arrives is absorbed. That is another operator, for this light alone.
-/// @param least share that a pocket keeps
+/// Makes pockets dark: no light starts there, and arriving light is absorbed. This is another operator, for this light
+/// only.
+/// @param least fraction that a pocket keeps
 static rsv_status close_pockets(rsv_light *s, const float *survival, float least)
 {
     rsv_operator *closed = NULL;
@@ -123,24 +124,39 @@ static rsv_status close_pockets(rsv_light *s, const float *survival, float least
     return RSV_OK;
 }
 
+/// What keeps light from dying out, and what to do about it.
+typedef struct lossless_cause {
+    const char *what, *advice;
+} lossless_cause;
+
+static lossless_cause find_cause(const rsv_fog *fog)
+{
+    if (fog && (double)rgb_max(fog->albedo) >= RSV_LOSSLESS)
+        return (lossless_cause){ "light in the fog of albedo 1 is hardly ever absorbed",
+            "lower the albedo of the fog below 1 (--fog EXTINCTION,ALBEDO)" };
+    return (lossless_cause){ "the scene is closed and absorbs nothing",
+        "lower an albedo below 1 or open the scene" };
+}
+
 static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 {
+    const lossless_cause cause = find_cause(q->s->scene.view->fog);
     double compatibility, lost = 1 - a->radius.power;
     if (lost > LOSS_IN_DOUBT)
         return rsv_fail(RSV_ERROR_SCENE,
             "solve: the scene is closed and absorbs only %.1g of its light per reflection, and a "
-            "solution requires %.1g; lower an albedo or open the scene",
-            lost, 1 - RSV_LOSSLESS);
+            "solution requires %.1g; %s",
+            lost, 1 - RSV_LOSSLESS, cause.advice);
     rsv_status status =
         rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: the scene is closed and absorbs nothing, as far as single precision can tell (spectral radius %.6f): "
-        "E = G K E has solutions of its own; the light is %s them, so that %s; lower an albedo below 1 or "
-        "open the scene",
-        a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
+        "solve: %s, as far as single precision can tell (spectral radius %.6f): "
+        "E = G K E has solutions of its own; the light is %s them, so that %s; %s",
+        cause.what, a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
         compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
-                             : "there are many answers");
+                             : "there are many answers",
+        cause.advice);
 }
 
 /// Closes pockets and looks again whether all light dies out.
@@ -158,12 +174,12 @@ cleanup:
     return status;
 }
 
-/// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
-/// and there is no answer. Lossless pockets that hardly any light enters, such as the inside of a white cushion, are
-/// left dark: the answer next to them is bounded.
+/// A norm of 1 gives no bound. In an open scene, later orders still die out. In a closed lossless one they do not, and
+/// there is no solution. Lossless pockets that hardly any light enters, such as the inside of a white cushion, are made
+/// dark: the solution next to them is bounded.
 ///
-/// By reciprocity, the light that lasts at a node is about that which survives of the node's own: it tells most
-/// pockets at no cost. Where it does not, survival itself takes POCKET_ORDERS more applications.
+/// By reciprocity, the light that lasts at a node is close to the fraction of the node's own light that survives, which
+/// identifies most pockets at no cost. Otherwise, computing the survival takes POCKET_ORDERS more applications.
 static rsv_status check_losses(series *q)
 {
     rsv_light *s = q->s;
@@ -234,7 +250,8 @@ static void add_term(rsv_light *s, const rsv_rgb *term)
     s->field.order_count = slot + 1;
 }
 
-/// What another solver finds beyond the present term goes to the last order. Its rounding must not darken anything.
+/// Adds the result of another solver, beyond the present term, to the last order. Its rounding must not darken
+/// anything.
 static void add_rest(series *q, const rsv_rgb *sum)
 {
     for (size_t n = 0; n < q->s->elements->node_count; n++) {
@@ -280,8 +297,8 @@ cleanup:
     return status;
 }
 
-/// Where little is absorbed, irradiance grows so far beyond its source that the wanted residual is less than rounding
-/// leaves: asks for no less. Orders beyond the present term are taken to fall by the spectral radius.
+/// If little is absorbed, irradiance grows so far beyond its source that the target residual is below rounding. Raises
+/// the target accordingly. Orders beyond the present term are assumed to fall by the spectral radius.
 static void keep_target_in_reach(series *q, const rsv_rgb *term)
 {
     const rsv_light *s = q->s;
@@ -398,7 +415,7 @@ static rsv_status solve(series *q, uint32_t max_orders)
     }
     rsv_status status = report->norm_inf >= RSV_LOSSLESS ? check_losses(q) : RSV_OK;
     if (status != RSV_OK) return status;
-    // what the missing terms can still add, on the scale of the light there is
+    // what the missing terms can still add, relative to the present light
     q->target = s->desc.tolerance * mean / q->resolvent;
     return sum_series(q, max_orders);
 }
@@ -411,7 +428,7 @@ static void report_error(const series *q, rsv_rgb *scratch)
     s->report.residual_inf = residual_norm(q, s->field.irradiance, scratch);
     s->report.truncation_bound = s->report.residual_inf * q->resolvent;
     s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, s->field.irradiance);
-    // a solver that rounding stopped has arrived if what is left is small enough all the same
+    // a solver stopped by rounding has converged if its residual is small enough
     if (s->report.stop_reason == RSV_STOP_STAGNATED && s->report.residual_inf <= q->target)
         s->report.stop_reason = RSV_STOP_CONVERGED;
 }

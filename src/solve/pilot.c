@@ -63,8 +63,8 @@ static void weigh_span(void *data, rsv_span span)
     }
 }
 
-/// Weighs bends by what light matters to the goal where they are. What they err counts with the root of that, which is
-/// one over the size squared.
+/// Weights curvature by the importance of light for the goal. Its error counts with the root of that, which is one over
+/// the size squared.
 static void weigh_bends(const rsv_goal *goal, const rsv_elements *e, float *bend)
 {
     bend_job job = { goal, e, bend };
@@ -85,7 +85,7 @@ static void diffuse_bends(const rsv_elements *e, float *bend)
     rsv_parallel_for(e->context, e->cell_count, 0, diffuse_span, &job);
 }
 
-/// Leaves cells alone that an edit of the scene is far from: they are split as they were before.
+/// Leaves cells far from an edit of the scene alone: they are split as before.
 static void unmark_settled(const rsv_history *history, const rsv_elements *e, uint8_t *split)
 {
     for (uint32_t c = 0; history && c < e->cell_count; c++)
@@ -115,8 +115,9 @@ static float mean_arriving(const rsv_light *light, const uint8_t *far)
                    (area > 0 ? gathered / area : 0));
 }
 
-/// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
-/// take more than `most` rows. @param arriving that light @param any out: false if none are marked
+/// Marks cells over which light without a finer level curves; only the strongest ones if all would take more than
+/// `most` rows.
+/// @param arriving that light @param any out: false if none are marked
 static rsv_status mark_bends(const rsv_builder *b, const rsv_goal *goal, size_t most,
     const rsv_curvature_field *arriving, uint8_t *split, bool *any)
 {
@@ -156,8 +157,8 @@ cleanup:
     return status;
 }
 
-/// Light without a finer level, indirect and what is gathered of the sky and of lamps, and its standard deviation; INFINITY
-/// where none was gathered.
+/// Light without a finer level (indirect light, and gathered light of the sky and lamps), and its standard deviation;
+/// INFINITY where none was gathered.
 static void note_arriving(const rsv_builder *b, const rsv_light *light, const uint8_t *far,
     rsv_rgb *arriving, float *deviation)
 {
@@ -218,7 +219,7 @@ cleanup:
     return status;
 }
 
-/// Learns on coarse elements what matters to the goal, and makes elements anew for that.
+/// Finds importance for the goal on coarse elements, and creates elements for it.
 static rsv_status remake_for_goal(rsv_builder *b, rsv_goal *goal)
 {
     rsv_status status;

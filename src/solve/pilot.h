@@ -1,4 +1,5 @@
-/// Pilots: solutions with few rays that show where coarse elements are too large, for the goal or for the indirect light.
+/// Pilots: solutions with few rays that show where coarse elements are too large, for the goal or for the indirect
+/// light.
 #ifndef RSV_PILOT_H
 #define RSV_PILOT_H
 

@@ -15,11 +15,11 @@ const rsv_history *rsv_pilot_settled(const rsv_builder *b)
     return history && !rsv_history_sources_changed(history) ? history : NULL;
 }
 
-/// Light of nodes that an edit of the scene is far from is what it was before. [node_count] each
+/// Nodes far from an edit of the scene keep their previous light. [node_count] each
 typedef struct settled_light {
     uint8_t *far;      ///< those nodes: nothing is gathered for them
     rsv_rgb *source;   ///< of these
-    rsv_rgb *indirect; ///< of all that were there before
+    rsv_rgb *indirect; ///< of all nodes that existed before
 } settled_light;
 
 static rsv_status allocate_settled(const rsv_builder *b, settled_light *then)

@@ -4,7 +4,7 @@
 #include "../core/team.h"
 #include "goal.h"
 
-/// Of all that decides how a scene is solved, beside the scene.
+/// Key of everything besides the scene that determines how it is solved.
 static uint64_t settings_of(const rsv_builder *b)
 {
     const rsv_solve_desc *d = &b->desc;
@@ -16,7 +16,7 @@ static uint64_t settings_of(const rsv_builder *b)
     return d->contact_share > 0 ? rsv_key_add_bytes(key, &d->contact_share, sizeof(float)) : key;
 }
 
-/// A goal decides by what a camera sees, of which nothing is kept.
+/// A goal depends on what a camera sees, which is not stored.
 static bool has_goal(const rsv_builder *b)
 {
     rsv_goal_aim aim = rsv_goal_aim_of(&b->desc);
@@ -68,7 +68,7 @@ static void write_down(const rsv_builder *b, const rsv_light *light)
         return;
     }
     rsv_light_total(light, 0, direct);
-    rsv_spacing wanted = b->spacing; // budgets coarsen that anew each time
+    rsv_spacing wanted = b->spacing; // budgets make it coarser again each time
     wanted.metres = b->wanted_metres;
     const rsv_history_fields level[RSV_HISTORY_LEVELS] = {
         [RSV_HISTORY_COARSE] = { .elements = b->elements,

@@ -17,7 +17,7 @@ rsv_status rsv_source_hidden_cells(const rsv_light *s, uint8_t **hidden)
     return rsv_goal_hidden_cells(s->op, &aim, s->desc.seed, *hidden);
 }
 
-/// What both levels have in common.
+/// Options common to both levels.
 static rsv_source_level_desc level_desc(const rsv_light *s, const rsv_level_limits *limits)
 {
     return (rsv_source_level_desc){ .levels = s->desc.direct_levels,
@@ -45,7 +45,7 @@ rsv_status rsv_source_create_levels(rsv_light *s, const rsv_level_limits *limits
     return status;
 }
 
-/// Builds a level of direct light anew, with what still holds of the one before.
+/// Builds a level of direct light again, reusing what is still valid of the previous one.
 static rsv_status build_again(rsv_light *s, const rsv_source_level_desc *desc,
     const rsv_level_motion *motion, rsv_source_level *level)
 {
@@ -71,7 +71,7 @@ static rsv_status follow_level(rsv_light *s, const rsv_source_level_desc *desc,
     return rsv_source_level_follow(&s->scene, s->elements, desc, motion, level, &s->report.rays);
 }
 
-/// What a light has of its levels that can follow.
+/// Whether the light has a level that can follow motions.
 static bool has_level(const rsv_source_level *level)
 {
     return level->elements && level->valid_points && (!level->direct || level->deviation);

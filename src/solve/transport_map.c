@@ -18,7 +18,7 @@ typedef struct field_job {
     rsv_rgb *exitance;
 } field_job;
 
-/// For all nodes; on the calling thread alone where there are few.
+/// For all nodes; on the calling thread only if there are few.
 static void for_nodes(rsv_transport_map *m, void (*body)(void *, rsv_span), field_job *job)
 {
     size_t nodes = m->linear.count;
@@ -74,7 +74,7 @@ static void residual(
         (rsv_rgb *)difference);
 }
 
-/// P*, the transposed of what scatters light below surfaces, on one field after the other.
+/// P*, the transpose of the scattering below surfaces, on one field after the other.
 static void diffuse_transpose(rsv_transport_map *m, size_t fields, rsv_rgb *all)
 {
     for (size_t f = 0; f < fields; f++) {
@@ -107,7 +107,7 @@ static void apply_transpose(void *data, size_t columns, const float *field, floa
     rsv_elements_constrain_transpose(m->elements, fields, all);
 }
 
-/// A part of the rows leaves out what depends on others: hanging nodes and translucent bodies.
+/// A part of the rows omits what depends on others: hanging nodes and translucent bodies.
 static void scatter_rows(
     void *data, size_t columns, const float *field, size_t begin, size_t end, float *scattered)
 {

@@ -63,7 +63,7 @@ rsv_status rsv_world_vary(rsv_world *base, rsv_world **variant)
     w->variant = scene;
     w->base = rsv_world_retain(base);
     RSV_TRY(status);
-    // one in which triangles are moved is nobody else's
+    // a scene whose triangles are moved must not be shared
     if (base->variant && base->tracer) RSV_TRY(rsv_tracer_create(scene, &w->tracer));
     use_tracer(w, w->tracer ? w->tracer : base->scene.tracer);
     *variant = w;

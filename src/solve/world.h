@@ -1,7 +1,7 @@
-/// The scene as one light has it: surfaces, what rays meet, how surfaces scatter.
+/// The scene of one light: surfaces, their ray tracer and their scattering.
 ///
-/// All lights of an operator begin in its own world. One under other strengths, colours and surroundings, or with lamps
-/// elsewhere, gets a variant of it: lights side by side know nothing of each other.
+/// All lights of an operator start in its world. A light with other strengths, colours, environment or lamp positions
+/// gets a variant of it, so that lights are independent of each other.
 #ifndef RSV_WORLD_H
 #define RSV_WORLD_H
 
@@ -10,7 +10,7 @@
 typedef struct rsv_world {
     rsv_context *context;
     uint32_t references;       ///< holders
-    rsv_transport_scene scene; ///< for all that traces
+    rsv_transport_scene scene; ///< for everything that traces rays
     struct rsv_world *base;    ///< that this one varies; NULL = the scene is the caller's
     rsv_scene *variant;        ///< of the caller's scene; NULL = the same
     rsv_tracer *tracer;        ///< of its own; NULL = the base's
@@ -29,14 +29,15 @@ rsv_status rsv_world_vary(rsv_world *base, rsv_world **variant);
 /// where it has them. @param moves [material_count]
 rsv_status rsv_world_vary_places(rsv_world *variant, const bool *moves);
 
-/// Gives a variant vertices, normals and a hierarchy of its own, in which single triangles can be moved, on top of those that
-/// can be already. @param moves [triangle_count]
+/// Gives a variant vertices, normals and a hierarchy of its own, in which single triangles can be moved, on top of
+/// those that can be already. @param moves [triangle_count]
 rsv_status rsv_world_vary_triangles(rsv_world *variant, const uint8_t *moves);
 
 /// Takes over the places of vertices that were moved.
 rsv_status rsv_world_follow_places(rsv_world *variant);
 
-/// Takes over what materials are, as the scene has them now.
+/// Updates the scattering of materials from the present scene.
+
 void rsv_world_find_bsdfs(rsv_world *world);
 
 rsv_world *rsv_world_retain(rsv_world *world);

@@ -9,10 +9,10 @@
 /// From here on steps of Krylov methods get more with every restart, those of two grids stay the same (measured
 /// on closed boxes: as many at 0.99).
 #define SLOW_RADIUS 0.98
-/// Nodes that a coarse level needs to be of use.
+/// Minimum number of nodes for a coarse level to be useful.
 #define MIN_NODES 256
-/// Above this the eleven fields of GMRES weigh more than applications do: in rooms of 0.1 to 0.4 M nodes BiCGStab applies
-/// the operator as often, and takes half the time.
+/// Above this the eleven fields of GMRES weigh more than applications do: in rooms of 0.1 to 0.4 M nodes BiCGStab
+/// applies the operator as often, and takes half the time.
 #define MANY_NODES ((size_t)1 << 17)
 
 rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t reason_bytes)

@@ -4,7 +4,7 @@
 
 #include "resolvent/solve.h"
 
-/// What is known when the choice is made.
+/// Input of the choice.
 typedef struct rsv_solver_question {
     rsv_solver wanted;
     double norm_inf, spectral_radius;

@@ -21,7 +21,7 @@ static size_t block_end(const rsv_field_shape *s, size_t block)
     return end < s->count ? end : s->count;
 }
 
-/// What a loop over rows works on. A factor is one of each column.
+/// Data of a loop over rows. There is one factor per column.
 typedef struct columns_job {
     const rsv_field_shape *shape;
     const double *factor;
@@ -29,7 +29,7 @@ typedef struct columns_job {
     float *y;
 } columns_job;
 
-/// A loop over all rows; on the calling thread alone where there are few.
+/// A loop over all rows; on the calling thread only if there are few.
 static void for_rows(void (*body)(void *, rsv_span), columns_job *job)
 {
     const rsv_field_shape *s = job->shape;

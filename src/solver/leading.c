@@ -2,14 +2,14 @@
 
 #include <math.h>
 
-/// Vectors that are kept apart: little memory beside the entries of a map.
+/// Number of basis vectors: little memory compared with the entries of a map.
 #define BASIS 8
-/// Squarings of a small matrix: its leading eigenvector is all that is left.
+/// Number of squarings of a small matrix, after which only its leading eigenvector is left.
 #define SQUARINGS 40
-/// Of what is left of a vector after orthogonalisation: less is rounding.
+/// Smallest remainder of a vector after orthogonalisation that is more than rounding.
 #define ROUNDING 1e-6
 
-/// One channel of the iteration: A V = V H + what leaves the subspace.
+/// One channel of the iteration: A V = V H + the part outside the subspace.
 typedef struct channel {
     double h[BASIS + 1][BASIS];
     double value, residual;
@@ -86,7 +86,8 @@ static void square(double a[BASIS][BASIS], uint32_t size)
             a[i][j] = most > 0 ? b[i][j] / most : 0;
 }
 
-/// Leading eigenvalue and vector of H, shifted so that -value, which scenes of two facing walls have too, does not count.
+/// Leading eigenvalue and vector of H, shifted so that -value, which scenes of two facing walls have too, does not
+/// count.
 static void find_ritz(channel *s, uint32_t size)
 {
     double a[BASIS][BASIS], shift = 0, length = 0, image = 0;

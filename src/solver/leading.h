@@ -4,7 +4,7 @@
 
 #include "linear_map.h"
 
-/// What is known of it, the largest of the channels.
+/// The result, the largest of the channels.
 typedef struct rsv_leading_value {
     double value;    ///< of the last vector x of length 1
     double residual; ///< |A x - value x|

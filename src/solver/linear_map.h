@@ -1,25 +1,25 @@
-/// A square linear map A on fields, and what solvers of x = b + A x may ask of it.
+/// A square linear map A on fields, for solvers of x = b + A x.
 ///
-/// A *field* is [count x columns] floats, row-major: `columns` scalar fields that share one pass over the data
-/// of A. Column c belongs to colour channel c % 3, for which A may have entries of its own; three columns are one
-/// RGB field, 3 n columns the fields of n light sources.
+/// A *field* is [count x columns] floats, row-major: `columns` scalar fields that share one pass over the data of A.
+/// Column c belongs to colour channel c % 3, for which A may have separate entries. Three columns are one RGB field, 3
+/// n columns the fields of n light sources.
 ///
-/// A is the product G K of a local *scattering* K and a *gathering* G. Those who want rows or columns see the two
-/// apart; a plain matrix has K = 1.
+/// A is the product G K of a local *scattering* K and a *gathering* G. Users of rows or columns see the two separately;
+/// a plain matrix has K = 1.
 #ifndef RSV_LINEAR_MAP_H
 #define RSV_LINEAR_MAP_H
 
 #include "../core/core.h"
 
-/// What is wanted of a correction, and what came of it.
+/// Request for a correction, and its result.
 typedef struct rsv_correction {
     double relative; ///< length of the new residual over that of the old one
     double
-        applications; ///< of A: at most so many, as far as the solver can be told, in; so many, out
+        applications; ///< of A; in: approximate limit, out: number used
     bool converged;   ///< out: false if it gave up
 } rsv_correction;
 
-/// Results depend on the arguments alone, to the last bit, not on the number of threads. NULL where it says so.
+/// Results depend only on the arguments, to the last bit, not on the number of threads. NULL is allowed where noted.
 typedef struct rsv_linear_map_table {
     /// image = A field
     void (*apply)(void *data, size_t columns, const float *field, float *image);
@@ -38,7 +38,8 @@ typedef struct rsv_linear_map_table {
     /// field += A times `amount` at one node: a column of A. NULL = not known
     /// @param amount [columns] @return the share of A's entries that this took
     double (*shoot)(void *data, size_t columns, size_t node, const float *amount, float *field);
-    /// correction with (I - A) correction close to a residual, by a solver outside of this library. NULL = there is none
+    /// correction with (I - A) correction close to a residual, by a solver outside of this library. NULL = there is
+    /// none
     rsv_status (*correct)(void *data, size_t columns, const float *residual, rsv_correction *wanted,
         float *correction);
     /// Sums of A's entries over pairs of groups, channel by channel; may be an approximation. NULL = not known
@@ -52,15 +53,15 @@ typedef struct rsv_linear_map {
     void *data;
     size_t count; ///< rows and columns of A
     const uint32_t *
-        group; ///< [count] a coarse level: nodes that are alike; RSV_NONE = a row of A that is 0. NULL =
+        group; ///< [count] a coarse level: groups of similar nodes; RSV_NONE = a row of A that is 0. NULL =
                ///< there is no coarse level
     size_t group_count;
     bool
-        outside; ///< whether `correct` does what a solver of this library would: it is the same, elsewhere
+        outside; ///< `correct` is the algorithm of a solver of this library, run elsewhere
 } rsv_linear_map;
 
-/// A* as a map of its own. It knows neither rows, columns nor groups.
-/// @param map knows apply_transpose; borrowed, must stay where it is
+/// A* as a map. It has no rows, columns or groups.
+/// @param map with apply_transpose; borrowed, must not move
 rsv_linear_map rsv_linear_map_transposed(const rsv_linear_map *map);
 
 #endif

@@ -183,7 +183,7 @@ static rsv_status improve(rsv_solver_run *run, double caution, float *residual, 
     return status == RSV_OK ? run->status : status;
 }
 
-/// What cycles work on.
+/// Fields of the cycles.
 typedef struct cycle_fields {
     const float *source;
     float *solution, *residual, *trial;

@@ -1,10 +1,11 @@
 /// Solvers of x = b + A x behind one interface.
 ///
-/// Each solver knows one thing: to find a correction d with (I - A) d close to a given residual. The driver adds
-/// it, forms the new residual afresh with sums in double, and decides whether to go on. So rounding of the stored
-/// floats cannot build up, Krylov methods restart for free, and stagnation looks the same for all of them.
+/// Each solver only finds a correction d such that (I - A) d is close to a given residual. The driver adds it, computes
+/// the new residual from scratch with sums in double precision, and decides whether to continue. Rounding of the stored
+/// floats can therefore not accumulate, Krylov methods restart at no cost, and stagnation looks the same for all
+/// solvers.
 ///
-/// Columns of a field are systems of their own; one that has converged, or whose source is 0, is left alone.
+/// Columns of a field are independent systems. A column that has converged, or whose source is 0, is skipped.
 #ifndef RSV_LINEAR_SOLVER_H
 #define RSV_LINEAR_SOLVER_H
 
@@ -17,8 +18,8 @@ typedef struct rsv_linear_desc {
     double absolute;   ///< ... or max |residual| <= absolute
     double max_applications;
     double spectral_radius; ///< of A as far as known, for Chebyshev; 0 = estimate it on the way
-    /// Called whenever a residual is known: applications of A so far, and the largest max |residual| / max |source|
-    /// of a column. NULL = nobody listens
+    /// Called with each residual: applications of A so far, and the largest max |residual| / max |source| of a column.
+    /// NULL = none
     void (*observe)(void *user, double applications, double residual);
     void *user;
 } rsv_linear_desc;
@@ -33,7 +34,7 @@ typedef struct rsv_linear_report {
 /// Relative 1e-5, any number of applications up to 10 000, no spectral radius.
 rsv_linear_desc rsv_default_linear_desc(rsv_solver solver);
 
-/// What a solver asks of a map beyond products.
+/// What a solver needs of a map besides products.
 typedef struct rsv_solver_needs {
     bool rows, columns, groups; ///< scatter_rows and gather_rows, shoot, sum_groups
     bool outside;               ///< correct
@@ -41,7 +42,7 @@ typedef struct rsv_solver_needs {
 
 rsv_solver_needs rsv_solver_needs_of(rsv_solver solver);
 
-/// Whether the map has what the solver needs.
+/// Whether the map provides what the solver needs.
 bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map);
 
 /// Solves x = source + A x.

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/// It measures residuals by length, we by their largest value: part of the wanted reduction that it is asked for.
+/// Fraction of the target reduction to request, because it measures residuals by length, and we by their largest value.
 #define SAFETY 0.2
 
 rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction)

@@ -1,15 +1,15 @@
-/// Chebyshev semi-iteration (Golub and Varga 1961): with the eigenvalues of A real and within [-rho, rho] no other
-/// combination of the terms of the Neumann series has a smaller worst case. Light transport comes close to that:
-/// by reciprocity A is similar to a symmetric map, up to the noise of its rows.
+/// Chebyshev semi-iteration (Golub and Varga 1961): if the eigenvalues of A are real and within [-rho, rho], no other
+/// combination of the terms of the Neumann series has a smaller worst case. Light transport is close to that: by
+/// reciprocity, A is similar to a symmetric map, up to the noise of its rows.
 ///
-/// It needs no dot products, but rho. A few plain terms show it from below; where the series then falls more
-/// slowly than promised, rho was too small and the cycle ends with a larger one.
+/// It needs no dot products, but rho. A few plain terms give a lower bound. If the residual then falls more slowly than
+/// predicted, rho was too small, and the cycle ends with a larger one.
 #include "solver_run.h"
 
 #include <math.h>
 
 #define PLAIN_TERMS 4
-/// Steps after which the promise is compared with what happened, and what is forgiven.
+/// Number of steps between comparisons with the prediction, and the tolerance.
 #define CHECK_INTERVAL 8
 #define FORGIVEN 4.0
 
@@ -54,7 +54,7 @@ static bool find_radius(rsv_solver_run *run, semi_iteration *s, float *residual,
     return goes_on;
 }
 
-/// What Chebyshev polynomials promise: 1 / T_k(1 / radius).
+/// Reduction predicted by Chebyshev polynomials: 1 / T_k(1 / radius).
 static double promised(double radius, uint32_t steps)
 {
     return radius > 0 ? 1 / cosh(steps * acosh(fmax(1 / radius, 1))) : 0;

@@ -1,14 +1,14 @@
-/// Gauss-Seidel: every row sees what the rows before it have just become. Rows are taken in a fixed number of
-/// blocks, within which they may run side by side; so the result does not depend on the number of threads, and
-/// with as many blocks as this it converges like the textbook's.
+/// Gauss-Seidel: every row uses the updated values of the rows before it. Rows are divided into a fixed number of
+/// blocks, within which they run in parallel, so that the result does not depend on the number of threads. With this
+/// many blocks, convergence is that of the textbook method.
 #include "solver_run.h"
 
 #include <math.h>
 
 #define BLOCKS 64
 
-/// correction = residual + A correction, block after block. The largest change of a row bounds what is left of its
-/// residual, since rows of A sum to at most 1; run->size becomes that bound.
+/// correction = residual + A correction, block by block. The largest change of a row bounds its remaining residual,
+/// because rows of A sum to at most 1; run->size becomes that bound.
 static void sweep(rsv_solver_run *run, const float *residual, float *correction, float *scattered,
     float *gathered)
 {

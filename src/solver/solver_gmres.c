@@ -35,7 +35,7 @@ static void normalise(rsv_solver_run *run, krylov *q, const float *field, float 
     rsv_columns_scale(&run->shape, q->factor, field, unit);
 }
 
-/// (I - A) basis[k], orthogonal to what is there, becomes basis[k + 1]. @return whether there was memory
+/// Appends (I - A) basis[k], orthogonalised, as basis[k + 1]. @return false if out of memory
 static bool expand(rsv_solver_run *run, krylov *q, uint32_t k)
 {
     size_t columns = run->shape.columns, values = run->shape.count * columns;

@@ -1,4 +1,4 @@
-/// What the solvers share while they run; for src/solver alone.
+/// Data and functions shared by running solvers; only for src/solver.
 #ifndef RSV_SOLVER_RUN_H
 #define RSV_SOLVER_RUN_H
 
@@ -21,7 +21,7 @@ typedef struct rsv_solver_run {
     rsv_status status; ///< of the progress callback
 } rsv_solver_run;
 
-/// What solver_NAME.c offers as rsv_solver_NAME. The build makes the table of them: src/CMakeLists.txt.
+/// The interface of solver_NAME.c, as rsv_solver_NAME. The build creates the table of them: src/CMakeLists.txt.
 typedef struct rsv_solver_method {
     /// Finds a correction: (I - A) correction close to `residual`.
     /// @param residual free to overwrite; 0 in columns that have converged; sizes are in run->size
@@ -48,7 +48,7 @@ static inline bool rsv_run_active(const rsv_solver_run *run, size_t column)
     return run->size[column] > run->goal[column];
 }
 
-/// Tells the sizes in run->size to whoever listens. @return whether the cycle should go on
+/// Reports the sizes in run->size to the observer. @return whether the cycle should continue
 bool rsv_run_goes_on(rsv_solver_run *run);
 
 #endif

@@ -1,8 +1,8 @@
-/// Southwell's relaxation: take the node with the largest residual, move it into the solution, and shoot it on to
-/// all nodes that see it. This is progressive radiosity (Cohen et al. 1988; Gortler, Cohen and Slusallek 1994).
+/// Southwell's relaxation: takes the node with the largest residual, moves it into the solution, and shoots it to all
+/// nodes that see it. This is progressive radiosity (Cohen et al. 1988; Gortler, Cohen and Slusallek 1994).
 ///
-/// Looking for the very largest would cost as much as shooting it. Instead nodes are gone through in their order,
-/// and shoot if they are above a threshold, which then falls.
+/// Searching for the largest would cost as much as shooting it. Instead, nodes are visited in order and shoot if they
+/// are above a threshold, which then decreases.
 #include "solver_run.h"
 
 #include <math.h>

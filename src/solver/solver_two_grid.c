@@ -1,12 +1,12 @@
 /// Two grids (Brakhage 1960; Atkinson 1997, "The numerical solution of integral equations of the second kind").
 ///
-/// Transport smooths: what A makes of a field is seen just as well on groups of nodes. With R the mean over a
-/// group, P constant continuation and C = R A P, the map B = P C R is close to A, and
+/// Transport smooths: A of a field is well represented on groups of nodes. With R the mean over a group, P constant
+/// continuation and C = R A P, the map B = P C R is close to A, and
 ///
 ///     (I - B)^-1 r = r + P ((I - C)^-1 - I) R r
 ///
-/// takes one small dense solve. d += (I - B)^-1 (r - (I - A) d) then leaves (A - B)(I - B)^-1 of a residual at
-/// each step, however slowly the Neumann series converges.
+/// requires one small dense solve. Each step d += (I - B)^-1 (r - (I - A) d) then leaves (A - B)(I - B)^-1 of a
+/// residual, however slowly the Neumann series converges.
 #include "solver_run.h"
 
 #include <math.h>

@@ -4,15 +4,14 @@
 
 #include "linear_map.h"
 
-/// Where the spectral radius lies.
+/// Bounds of the spectral radius.
 ///
 /// `lower` and `upper` are those of Collatz (1942) and Wielandt (1950): for a nonnegative x, the smallest and the
-/// largest (A x)_i / x_i over the nodes where x is positive. `power` is ||A^k||_inf^(1/k), which is
-/// ||A^k 1||_inf^(1/k) for a nonnegative A and never below the spectral radius (Gelfand). All hold up to the
-/// rounding of floats.
+/// largest (A x)_i / x_i over the nodes where x is positive. `power` is ||A^k||_inf^(1/k), which is ||A^k 1||_inf^(1/k)
+/// for a nonnegative A, and never below the spectral radius (Gelfand). All hold up to rounding of floats.
 typedef struct rsv_spectral_radius {
     double lower, upper; ///< largest of the channels' bounds
-    double power;        ///< likewise
+    double power;        ///< upper bound
     double norm;         ///< ||A||_inf
     double resolvent;    ///< ||(I - A)^-1||_inf is at most this; INFINITY = no bound was found
     double size[3];      ///< ||A^k 1||_inf by channel after the last application
@@ -22,7 +21,8 @@ typedef struct rsv_spectral_radius {
 typedef struct rsv_power_desc {
     uint32_t max_steps;
     double gap;      ///< stop when upper - lower is below this
-    double doubt;    ///< stop when `power` is below this: nothing more is to be known; 0 = go on
+    double doubt;    ///< stop when `power` is below this, because more is not needed; 0 = continue
+
     bool transposed; ///< of A*; `norm`, `power` and `resolvent` are then NAN
 } rsv_power_desc;
 

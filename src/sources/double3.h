@@ -1,5 +1,5 @@
-/// Double-precision vectors for geometry seen from a receiver: the inputs are floats, so
-/// differences of coordinates are exact and what cancels later has digits to spare.
+/// Double-precision vectors for geometry relative to a receiver. The inputs are floats, so differences of coordinates
+/// are exact, and later cancellation leaves enough digits.
 #ifndef RSV_DOUBLE3_H
 #define RSV_DOUBLE3_H
 

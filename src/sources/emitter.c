@@ -40,8 +40,8 @@ static rsv_rgb mean_over(
     return rgb_scale(sum, 1.0f / (float)points);
 }
 
-/// Each place stands for its share of the area. Where that is dark, wider patches see what lies between: a texel in the
-/// sun, say.
+/// Each sample represents its part of the area. If that is dark, wider patches are sampled to find what is between,
+/// such as a single bright texel.
 static rsv_rgb mean_radiance(
     const rsv_scene_view *scene, const rsv_emitter *e, rsv_emission_spread *spread)
 {

@@ -7,8 +7,8 @@
 
 /// Cells of all triangles at most, unless there are more triangles.
 #define MOST_CELLS 4096
-/// Within cells, brightness may have this relative variance on the whole; the last of the three where only more cells than
-/// closed forms can deal with would do, and then the second is aimed at.
+/// Within cells, brightness may have this relative variance on the whole; the last of the three where only more cells
+/// than closed forms can deal with would do, and then the second is aimed at.
 #define EVEN 0.1f
 #define NEARLY_EVEN 0.5f
 #define UNEVEN 4.0f
@@ -54,8 +54,8 @@ static rsv_emitter_cell pop(division *d)
     return top;
 }
 
-/// Relative variance that patches of a cell hide, if it is large: that of the brightest one, of the brightest patch in there
-/// and so on. Stars in a dark sky are alike to all that is much larger than a star.
+/// Relative variance inside the patches of a cell, if it is large: that of the brightest patch, of the brightest patch
+/// within it, and so on. Stars in a dark sky look the same to everything much larger than a star.
 static float hidden_variance(
     const division *d, uint32_t rank, int level, rsv_emission_spread spread)
 {

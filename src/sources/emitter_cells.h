@@ -10,14 +10,15 @@ typedef struct rsv_emitter_cell {
     uint32_t place; ///< as in rsv_emitter
     uint8_t level;
     float power; ///< luminance flux, W
-    float urge;  ///< to be divided: power times the relative variance of brightness within
+    float urge;  ///< priority of division: power times the relative variance of brightness inside
 } rsv_emitter_cell;
 
-/// Divides what is brightest and most uneven first, down to single texels where a few give all the light: as long as all that
-/// shine are few enough for closed forms; further, for the tree, only where brightness would vary wildly within cells. The
-/// cost is bounded whatever the textures and however many triangles.
-/// @param triangle [count] emissive ones, by rank; plain ones stay whole
-/// @param cells    out: by rank and place; to be freed by the caller @param cell_count out
+/// Divides the brightest and most uneven triangles first, down to single texels if a few of them give all the light. It
+/// continues while the emitting cells are few enough for closed forms, and beyond that, for the tree, only where
+/// brightness varies strongly within cells. The cost is bounded for any textures and any number of triangles.
+/// @param triangle [count] emissive triangles, by rank; untextured ones stay whole
+/// @param cells    out: by rank and position; freed by the caller
+/// @param cell_count out
 rsv_status rsv_divide_emitters(const rsv_scene *scene, const rsv_bsdf *bsdf,
     const uint32_t *triangle, size_t count, rsv_emitter_cell **cells, size_t *cell_count);
 

@@ -15,7 +15,7 @@ static rsv_status prepare_sampling(rsv_environment_light *light)
     return status;
 }
 
-/// Not ready to be sampled yet. The pixels are copied: the scene's may be replaced.
+/// Copies the pixels, because the scene's may be replaced. The copy is not ready to be sampled.
 static rsv_status copy_environment(
     rsv_context *context, const rsv_environment *environment, rsv_environment_light **result)
 {
@@ -81,7 +81,7 @@ void rsv_environment_light_destroy(rsv_environment_light *light)
 /// Below this share of the light, shadow rays are not worth their while.
 #define SAMPLED_SHARE 0.01
 
-/// Moves what exceeds `limit` from the calm to the bright pixels, colour by colour alike.
+/// Moves the excess over `limit` from the gathered to the sampled pixels, with the same fraction of each channel.
 static void clip_pixels(const rsv_environment_light *light, float limit)
 {
     size_t count = (size_t)light->whole.width * light->whole.height;

@@ -1,12 +1,12 @@
-/// The surroundings as a source of light.
+/// The environment as a light source.
 ///
-/// Undivided, all of it takes part in next-event estimation (the path tracer, which combines that with its
-/// own directions). Divided, as the operator wants it,
+/// The path tracer uses it undivided: next-event estimation samples all of it, and is combined with directions from the
+/// BSDF. The operator uses it divided,
 ///
 ///     whole  =  gathered  +  sampled  +  suns
 ///
-/// where gather rays find `gathered`, of bounded contrast, and next-event estimation the other two: what is
-/// bright and small costs gather rays too much noise, and what is dim and large shadow rays.
+/// where gather rays find `gathered`, which has bounded contrast, and next-event estimation the other two. Bright small
+/// parts would make gather rays noisy, and large dim parts shadow rays.
 #ifndef RSV_ENVIRONMENT_H
 #define RSV_ENVIRONMENT_H
 
@@ -24,7 +24,7 @@ typedef struct rsv_sun {
 
 typedef struct rsv_environment_light {
     rsv_context *context;
-    rsv_sky whole; ///< what cameras see
+    rsv_sky whole; ///< seen by cameras
     rsv_sky gathered, sampled;
     rsv_sky_sampler sampler; ///< of `sampled`
     rsv_sky_irradiance open; ///< of `sampled`
@@ -37,8 +37,8 @@ typedef struct rsv_environment_light {
 
 /// Undivided. *light is NULL if the scene has no environment.
 rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_light **light);
-/// Divided, and at another rotation: degrees as in rsv_environment. The scene must have surroundings.
-/// @param light to be destroyed even after an error
+/// Divided, and with another rotation: degrees as in rsv_environment. The scene must have an environment.
+/// @param light destroy it, even after an error
 rsv_status rsv_environment_light_create_turned(
     const rsv_scene *scene, float rotation, rsv_environment_light **light);
 void rsv_environment_light_destroy(rsv_environment_light *light);
@@ -52,8 +52,8 @@ bool rsv_environment_light_is_sampled(const rsv_environment_light *light);
 /// Gathered and sampled part together: all but the suns.
 rsv_rgb rsv_environment_light_sunless(const rsv_environment_light *light, rsv_vec3 direction);
 
-/// Takes the suns out of `pixels`, which have the shape of `sky` and keep the average of what surrounds each.
-/// @param sun [RSV_MAX_SUNS]
+/// Replaces the suns in `pixels` by the mean of their surroundings. The pixels have the shape of `sky`.
+/// @param sun out, [RSV_MAX_SUNS]
 rsv_status rsv_extract_suns(
     rsv_context *context, const rsv_sky *sky, rsv_rgb *pixels, rsv_sun *sun, uint32_t *count);
 

@@ -63,8 +63,8 @@ const rsv_punctual_light *rsv_fog_light_punctual(const rsv_fog_lights *l, uint32
 
 // ---- at a point ---------------------------------------------------------------------------------
 
-/// About the fluence from an emitter: its radiance times its solid angle seen from far away, never more than a hemisphere;
-/// above 0 wherever it gives any.
+/// Estimate of the fluence from an emitter: its radiance times its solid angle as seen from far away, at most a
+/// hemisphere. Above 0 wherever it contributes.
 static float guess_emitter(const rsv_emitter *emitter, rsv_vec3 point)
 {
     if (!rsv_emitter_faces(emitter, point)) return 0;
@@ -93,7 +93,7 @@ static float guess_tree(const rsv_light_tree *tree, rsv_vec3 point)
     return tree ? rsv_light_importance(&tree->node[0].bounds, point, everywhere) : 0;
 }
 
-/// In proportion to the guesses, a share of them evenly among all that contribute.
+/// Probabilities in proportion to the estimates, with a part divided equally among all that contribute.
 static void normalize(rsv_fog_choice *choice)
 {
     float sum = 0;

@@ -1,5 +1,5 @@
-/// Lights with a place (emitters that next-event estimation samples, point and spot lights) as fog is lit by them: chosen
-/// where a path is scattered, or ahead of that, for a whole segment of it.
+/// Lights with a place (emitters that next-event estimation samples, point and spot lights) as fog is lit by them:
+/// chosen where a path is scattered, or ahead of that, for a whole segment of it.
 #ifndef RSV_FOG_LIGHTS_H
 #define RSV_FOG_LIGHTS_H
 
@@ -24,7 +24,7 @@ void rsv_fog_lights_destroy(rsv_fog_lights *fog_lights);
 /// Emitters that are weighed one by one, the tree of the others, and punctual lights or the tree of those.
 #define RSV_FOG_CHOICES (RSV_LOCAL_LIGHTS + 1 + RSV_SUMMED_LIGHTS)
 
-/// The lights as one point sees them: probabilities about as what they contribute, unless shadowed.
+/// The lights as seen from one point, with probabilities close to their unshadowed contributions.
 typedef struct rsv_fog_choice {
     const rsv_fog_lights *lights;
     rsv_vec3 point;
@@ -33,7 +33,7 @@ typedef struct rsv_fog_choice {
 } rsv_fog_choice;
 
 void rsv_fog_lights_at(const rsv_fog_lights *lights, rsv_vec3 point, rsv_fog_choice *choice);
-/// The same of emitters alone.
+/// The same for emitters only.
 void rsv_fog_emitters_at(const rsv_fog_lights *lights, rsv_vec3 point, rsv_fog_choice *choice);
 
 /// One of them. @return its entry; RSV_NONE if none contributes @param probability out
@@ -45,8 +45,8 @@ float rsv_fog_choice_probability(const rsv_fog_choice *choice, uint32_t entry);
 /// The punctual light of an entry; NULL = it is an emitter.
 const rsv_punctual_light *rsv_fog_light_punctual(const rsv_fog_lights *lights, uint32_t entry);
 
-/// Draws a point of the emitter behind an entry. False if nothing of it faces the choice's point.
-/// @param sample out: density of the direction alone, not of the entry
+/// Draws a point on the emitter of an entry. False if no part of it faces the point.
+/// @param sample out: with the density of the direction only, without that of the entry
 bool rsv_fog_sample_emitter(
     const rsv_fog_choice *choice, uint32_t entry, float u1, float u2, rsv_light_sample *sample);
 

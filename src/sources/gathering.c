@@ -1,4 +1,4 @@
-/// Which emitters gather rays find best: those that fill much of what the scene's surfaces see.
+/// Selects emitters that gather rays find best: those that fill much of the view of the scene's surfaces.
 #include "lights_internal.h"
 
 #define VIEW_POINTS 64

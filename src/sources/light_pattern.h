@@ -1,4 +1,4 @@
-/// A source seen from everywhere by the same few places: what shadow rays of neighbours share while it moves.
+/// A fixed set of points on a source, which shadow rays of neighbouring receivers share while the source moves.
 #ifndef RSV_LIGHT_PATTERN_H
 #define RSV_LIGHT_PATTERN_H
 
@@ -7,7 +7,7 @@
 /// Any four or sixteen places in a row (of those that begin at a multiple of that) are spread over the source, and so
 /// are all.
 #define RSV_PATTERN_PLACES 64
-/// With as many emitters or fewer each one's irradiance is told by Lambert's formula.
+/// With up to this many emitters, Lambert's formula gives the irradiance from each.
 #define RSV_PATTERN_POLYGONS 8
 
 /// A place that stands for an equal share of the source's power.

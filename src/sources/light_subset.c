@@ -61,7 +61,7 @@ static bool is_chosen(const chosen_sources *s, rsv_source_kind kind, uint32_t in
     return false;
 }
 
-/// Groups that are gathered take no part in what samples and shoots: neither shall the others.
+/// Gathered groups are neither sampled nor traced from; other groups must not be either.
 static void mute_groups(rsv_lights *subset, const rsv_lights *all, const chosen_sources *s)
 {
     for (size_t g = 0; g < all->group_count; g++) {

@@ -5,7 +5,7 @@
 #include "lights.h"
 
 typedef enum rsv_source_kind {
-    RSV_SOURCE_MATERIAL, ///< all that emits by one material
+    RSV_SOURCE_MATERIAL, ///< everything with an emissive material
     RSV_SOURCE_LIGHT,    ///< a punctual light
     RSV_SOURCE_SURROUNDINGS
 } rsv_source_kind;
@@ -15,13 +15,13 @@ typedef struct rsv_source {
     uint32_t index; ///< of the material or light
     const char *name;
     const char *
-        node; ///< that placed the light: a name for it alone where several share theirs; NULL = none
+        node; ///< node that placed the light, as a name for it alone if several share one; NULL = none
 } rsv_source;
 
-/// The sources of a scene: materials first, then lights, then the surroundings. @param sources out, to be freed
+/// The sources of a scene: materials first, then lights, then the environment. @param sources out; freed by the caller
 rsv_status rsv_list_sources(const rsv_lights *lights, rsv_source **sources, size_t *count);
 
-/// What next-event estimation, light shooting and probes find of some sources. Borrows from `lights`.
+/// The parts of some sources that next-event estimation, light tracing and probes find. Borrows from `lights`.
 /// @param source [count]
 rsv_status rsv_light_subset_create(
     const rsv_lights *lights, const rsv_source *source, size_t count, rsv_lights **subset);
@@ -37,7 +37,8 @@ rsv_status rsv_lights_gather_sources(
 /// Whether a material emits and is found by gathering.
 bool rsv_is_gathered(const rsv_lights *lights, uint32_t material);
 
-/// What all that emits by a material fills of the hemispheres above the scene's surfaces: 0..1, as rsv_emitter_group.share.
+/// Mean fraction, 0..1, of the hemispheres above the scene's surfaces that a material's emission fills, as in
+/// rsv_emitter_group.share.
 double rsv_emission_share(const rsv_lights *lights, uint32_t material);
 
 #endif

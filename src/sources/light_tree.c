@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define BUCKETS 12
-/// Below this depth cells are halved by number: the tree stays shallow whatever the lights.
+/// Below this depth, cells are halved by number, which keeps the tree shallow for any lights.
 #define SPLIT_DEPTH 32
 
 // ---- bounds -------------------------------------------------------------------------------------

@@ -1,8 +1,8 @@
-/// Selection among many lights by what each may contribute at a point: a binary tree over bounds of place,
-/// orientation and strength (Conty Estevez and Kulla 2018). Sampling and its probability take as many
-/// steps as the tree is deep.
+/// Selection among many lights by their possible contribution at a point: a binary tree over bounds of position,
+/// orientation and strength (Conty Estevez and Kulla 2018). Sampling and its probability take as many steps as the
+/// depth of the tree.
 ///
-/// What is inline here serves device code too.
+/// Inline functions are also for device code.
 #ifndef RSV_LIGHT_TREE_H
 #define RSV_LIGHT_TREE_H
 
@@ -55,13 +55,13 @@ RSV_INLINE float rsv_light_best_emission(
     const rsv_light_bounds *b, rsv_vec3 towards_light, float cos_width)
 {
     float cos_axis = -v3_dot(b->axis, towards_light);
-    // the angle from the axis less what the spread and the width of the bounds may take from it
+    // the angle from the axis, minus the spread and the apparent width of the bounds
     float cos_outside = rsv_light_cos_difference(cos_axis, b->cos_spread);
     float cos_best = cos_outside == 1 ? 1 : rsv_light_cos_difference(cos_outside, cos_width);
     return cos_best + RSV_LIGHT_SLACK > b->cos_emission ? f_max(cos_best, RSV_LIGHT_SLACK) : 0;
 }
 
-/// An estimate of the irradiance from the lights in the bounds, above 0 wherever there is any.
+/// Estimate of the irradiance from the lights in the bounds; above 0 wherever there is any.
 RSV_INLINE float rsv_light_importance(const rsv_light_bounds *b, rsv_vec3 point, rsv_vec3 normal)
 {
     rsv_vec3 middle = v3_mad(v3_scale(b->low, 0.5f), 0.5f, b->high);

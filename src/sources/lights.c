@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/// What orders the emitters: those of one group (object, material) side by side.
+/// Sort key of emitters: emitters of one group (object, material) are adjacent.
 typedef struct emitter_key {
     uint32_t object, material, triangle;
 } emitter_key;
@@ -28,7 +28,7 @@ static bool is_emissive(const rsv_bsdf *bsdf)
     return bsdf->emissive && !bsdf->unlit && !rgb_is_black(bsdf->emission);
 }
 
-/// What other faces at its place hide gives no light: else the place would shine twice.
+/// False for faces hidden by another face in the same place, which would otherwise emit twice.
 static bool shines(const rsv_scene_view *scene, const rsv_bsdf *bsdf, size_t triangle)
 {
     return is_emissive(&bsdf[scene->triangle_material[triangle]]) &&

@@ -1,10 +1,9 @@
-/// Every source of a committed scene, and how to sample them: emissive triangles ("emitters"),
-/// punctual lights and the environment. Triangles of textured brightness are divided into cells that are emitters each,
-/// down to texels where these are what shines, so that all that is chosen by brightness is chosen by the texture's
-/// (emitter_cells.h).
+/// All sources of a committed scene, and how to sample them: emissive triangles ("emitters"), punctual lights and the
+/// environment. Triangles with textured emission are divided into cells, each an emitter, down to bright texels, so
+/// that selection by brightness follows the texture (emitter_cells.h).
 ///
-/// Emitters that share object and material form a group: the unit of decisions such as whether a
-/// source is so large that gathering finds it better than next-event estimation.
+/// Emitters with the same object and material form a group. Decisions are made by group, such as whether a source is so
+/// large that gathering finds it better than next-event estimation.
 #ifndef RSV_LIGHTS_H
 #define RSV_LIGHTS_H
 
@@ -39,15 +38,14 @@ typedef struct rsv_emitter_group {
     double power;          ///< luminance flux, W (both sides if double-sided)
     double share;          ///< cosine-weighted part of the hemisphere that it fills, without
                            ///< occlusion, on average over the scene's surfaces; 0..1
-    /// Fills so much of what surfaces see that gather rays find it best: it takes no part in
-    /// next-event estimation or light shooting. In a closed uniform furnace the answer is then
-    /// exact.
+    /// Fills so much of the view of surfaces that gather rays find it best, so it is not used in next-event estimation
+    /// and light tracing. In a closed uniform furnace, the solution is then exact.
     bool gathered;
     bool muted; ///< gives no light at all: the others of a subset (light_subset.h)
 } rsv_emitter_group;
 
-/// A group that fills more than this share is gathered; so are, where all emitters together fill
-/// more than the second one, those not much brighter (by the factor) than the mean of what is seen.
+/// A group that fills more than this fraction is gathered. If all emitters together fill more than the second fraction,
+/// groups that are not much brighter (by the factor) than the mean of the view are gathered too.
 #define RSV_GATHERED_SHARE 0.25
 #define RSV_GATHERED_TOTAL_SHARE 0.5
 #define RSV_GATHERED_CONTRAST 4
@@ -61,8 +59,8 @@ typedef struct rsv_lights {
     uint32_t *triangle_emitter; ///< [triangle_count] the first of its emitters; RSV_NONE = none
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
-    /// The first of `sampled` are weighed one by one at every receiver: all that shine if they are RSV_LOCAL_LIGHTS or
-    /// fewer; else the few that give most of the light, if there are such. The others are in the tree.
+    /// The first of `sampled` are weighed one by one at every receiver: all emitting ones if there are at most
+    /// RSV_LOCAL_LIGHTS, otherwise the few that give most of the light, if there are such. The others are in the tree.
     size_t weighed_count;
     rsv_light_tree *emitter_tree; ///< over those of `sampled` not weighed; NULL = none shines
     uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
@@ -80,9 +78,9 @@ void rsv_lights_destroy(rsv_lights *lights);
 /// Takes over where sources stand after some were moved, nothing else having changed.
 rsv_status rsv_lights_follow(rsv_lights *lights);
 
-/// Takes over how strong emitters and punctual lights are, the environment being as it was.
+/// Updates the strengths of emitters and punctual lights; the environment stays as it is.
 /// @param bsdf [material_count], borrowed
-/// @param followed out: false, and nothing done, if other materials emit than did: then the lights are to be created anew
+/// @param followed out: false, with nothing changed, if other materials are emissive now; create the lights again
 rsv_status rsv_lights_follow_strengths(rsv_lights *lights, const rsv_bsdf *bsdf, bool *followed);
 
 /// The place of the smallest cell around a point of a triangle.
@@ -121,8 +119,8 @@ bool rsv_lights_any_sampled(const rsv_lights *lights);
 
 #define RSV_LOCAL_LIGHTS 64
 
-/// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to the
-/// unshadowed irradiance (luminance), for the emitters that are weighed; the others by a light tree.
+/// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to
+/// the unshadowed irradiance (luminance), for the emitters that are weighed; the others by a light tree.
 typedef struct rsv_local_lights {
     const rsv_lights *lights;
     rsv_vec3 point, normal;
@@ -153,12 +151,12 @@ typedef struct rsv_light_sample {
     float distance;     ///< metres to the source; INFINITY for suns and sky
     rsv_rgb radiance;   ///< arriving along direction, without occlusion
     rsv_rgb
-        mean_radiance; ///< what `unshadowed` knows: of emitters their mean; 0 = the tree's choice
+        mean_radiance; ///< mean of the emitter, as in `unshadowed`; 0 = chosen by the tree
     float pdf_solid_angle; ///< including the selection of the source
     uint32_t emitter;      ///< RSV_NONE for suns and sky
     bool from_sky;         ///< not from an emitter or a sun
     float u, v;            ///< place on the emitter, if it varies
-    bool back;             ///< likewise: which side
+    bool back;             ///< which side of the emitter
 } rsv_light_sample;
 
 /// Whether `unshadowed` counts its source: all but emitters that the tree chose.

@@ -1,4 +1,4 @@
-/// What the sources of a scene share among themselves.
+/// Shared by the files that set up the sources of a scene.
 #ifndef RSV_LIGHTS_INTERNAL_H
 #define RSV_LIGHTS_INTERNAL_H
 
@@ -14,8 +14,8 @@ typedef struct rsv_emission_spread {
     float u, v;     ///< the brightest patch, on the triangle
 } rsv_emission_spread;
 
-/// One of the 4^level cells of a triangle, with its mean radiance; its group, and how many cells there are, are left to be
-/// set. @param spread out
+/// One of the 4^level cells of a triangle, with its mean radiance. The caller sets its group and the number of cells.
+/// @param spread out
 rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle,
     int level, uint32_t place, rsv_emission_spread *spread);
 

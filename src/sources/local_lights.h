@@ -9,7 +9,7 @@
 /// and the spherical triangle would have few digits left.
 #define RSV_SOLID_ANGLE_SAMPLING_MIN 1e-4
 
-/// A triangle as a point sees it: what both sampling and density decide by.
+/// A triangle as seen from a point: input of both sampling and density.
 typedef struct rsv_triangle_view {
     rsv_double3 corner[3];   ///< relative to the point
     rsv_double3 area_vector; ///< front normal times area
@@ -100,7 +100,8 @@ RSV_INLINE float rsv_weigh_environment(rsv_local_lights *local)
     return sum + *probability;
 }
 
-/// About the irradiance from an emitter of radiance 1, in a fraction of the time: what it is from far away.
+/// Estimate of the irradiance from an emitter of radiance 1, as if seen from far away. Much faster than the exact
+/// value.
 RSV_INLINE float rsv_guessed_solid_angle(
     const rsv_emitter *emitter, rsv_vec3 point, rsv_vec3 normal)
 {
@@ -134,8 +135,8 @@ RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local, bool guess)
     return sum;
 }
 
-/// Of lamps and of the sky, and of lamps in the tree and others, at every receiver: the stronger of the two may be hidden
-/// from all of a room.
+/// Of lamps and of the sky, and of lamps in the tree and others, at every receiver: the stronger of the two may be
+/// hidden from all of a room.
 #define RSV_LEAST_SHARE 0.25f
 
 /// Of the first of two.
@@ -170,8 +171,7 @@ RSV_INLINE void rsv_weigh_lights(
         local->probability[i] *= (1 - lamps_share) / sky;
 }
 
-/// RSV_NONE if no entry has a probability; the last that has one also takes what rounding left
-/// over.
+/// RSV_NONE if no entry has a probability. The last entry with one also gets the rounding error of the sum.
 RSV_INLINE uint32_t rsv_select_by_irradiance(const rsv_local_lights *local, float u)
 {
     uint32_t selected = RSV_NONE;
@@ -247,7 +247,7 @@ RSV_INLINE bool rsv_sample_emitter(const rsv_local_lights *local, uint32_t entry
     return true;
 }
 
-/// The same by area, for an emitter that is small beside its distance: that takes a fraction of the time.
+/// The same by area, for an emitter that is small compared with its distance; much faster.
 RSV_INLINE bool rsv_sample_far_emitter(const rsv_local_lights *local, uint32_t entry,
     float probability, float u1, float u2, rsv_light_sample *sample)
 {

@@ -39,7 +39,8 @@ static rsv_light_bounds punctual_bounds(const rsv_punctual_light *light)
     return bounds;
 }
 
-/// Share of the light that the emitters which are weighed one by one give together, where there are too many to weigh all.
+/// Share of the light that the emitters which are weighed one by one give together, where there are too many to weigh
+/// all.
 #define MOST_OF_THE_LIGHT 0.9
 
 static double strength(const rsv_lights *lights, uint32_t emitter)
@@ -64,8 +65,8 @@ static size_t find_strongest(const rsv_lights *lights, uint32_t strongest[RSV_LO
     return count;
 }
 
-/// The fewest emitters that give most of the light; all that give any, where those are few. @return how many; 0 = they are not
-/// few
+/// The fewest emitters that give most of the light, or all that give any if these are few. @return how many; 0 = too
+/// many
 static size_t find_most_of_the_light(const rsv_lights *lights, uint32_t few[RSV_LOCAL_LIGHTS])
 {
     double total = 0, sum = 0;
@@ -91,8 +92,8 @@ static int compare_indices(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-/// Those that are weighed come first in `sampled`; both parts ascend. Dark ones (cells of a texture beside a bright spot)
-/// are not worth that.
+/// Puts the emitters that are weighed first in `sampled`; both parts ascend. Dark ones, such as cells of a texture next
+/// to a bright spot, are not worth weighing.
 static void choose_weighed(rsv_lights *lights)
 {
     lights->weighed_count = 0;

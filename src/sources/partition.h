@@ -1,20 +1,21 @@
-/// Which estimator counts which source: each path from a source to a receiver has one owner. Elements, pixels, probes,
-/// frames, residuals and devices go by it; the path tracer weighs its own estimators instead.
+/// Which estimator counts which source: each path from a source to a receiver is counted once. Elements, pixels,
+/// probes, frames, residuals and devices follow this table; the path tracer weights its own estimators instead.
 ///
 /// | way from the source to the receiver | lamps, suns, sampled sky, punctual lights | gathered lamps and sky |
 /// |---|---|---|
-/// | straight, past what blended surfaces leave (trace/passage.h) | shadow rays (rsv_local_lights_sample) | gather rays |
-/// | by way of specular surfaces, `turns` of them | photons; of the sampled sky, gather rays | gather rays |
+/// | straight, also through blended surfaces (trace/passage.h) | shadow rays (rsv_local_lights_sample) | gather rays |
+/// | through specular surfaces, `turns` of them | photons; for the sampled sky, gather rays | gather rays |
 ///
-/// Elements of the air store what photons bring there, as those of surfaces do (direct/photon_air.h). A receiver that has no
-/// photons, such as a probe or a surface that stores none, leaves their part to gather rays, too.
+/// Elements of the air store photons, as those of surfaces do (direct/photon_air.h). For receivers without photons,
+/// such as probes and surfaces that store none, gather rays find that part too.
 #ifndef RSV_PARTITION_H
 #define RSV_PARTITION_H
 
 #include "lights.h"
 
 /// Whether a gather ray counts the emission of a triangle that it comes to.
-/// @param turns of its specular path so far (rsv_specular_path.turns) @param by_photons photons bring their part to this receiver
+/// @param turns of its specular path so far (rsv_specular_path.turns) @param by_photons photons bring their part to
+/// this receiver
 RSV_INLINE bool rsv_gathering_counts(
     const rsv_lights *lights, uint32_t triangle, uint32_t turns, bool by_photons)
 {
@@ -24,7 +25,7 @@ RSV_INLINE bool rsv_gathering_counts(
     return !group->muted && (group->gathered || (turns > 0 && !by_photons));
 }
 
-/// What a gather ray that leaves the scene finds beyond it.
+/// The environment as found by a gather ray that leaves the scene.
 RSV_INLINE rsv_rgb rsv_gathering_sky(
     const rsv_lights *lights, rsv_vec3 direction, uint32_t turns, bool by_photons)
 {

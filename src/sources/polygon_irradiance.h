@@ -9,8 +9,7 @@
 
 #define RSV_POLYGON_CORNERS 4
 
-/// Heights above a plane that rounding of the coordinates alone can produce: a few units in the
-/// last place of the largest one.
+/// Largest height above a plane due to rounding of the coordinates: a few units in the last place of the largest one.
 RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, rsv_vec3 p)
 {
     float largest = v3_max_abs(p);

@@ -1,5 +1,5 @@
-/// Punctual lights after KHR_lights_punctual, measured luminaires, and the rays that ask whether their light and that of emitters arrives. For
-/// device code too.
+/// Punctual lights as in KHR_lights_punctual, measured luminaires, and shadow rays to lights and emitters. Also for
+/// device code.
 #ifndef RSV_PUNCTUAL_LIGHT_H
 #define RSV_PUNCTUAL_LIGHT_H
 
@@ -25,7 +25,7 @@ typedef struct rsv_punctual_sample {
     rsv_vec3 place;     ///< of the light, that its light comes from
     rsv_vec3 direction; ///< unit, towards it
     float distance;     ///< INFINITY for distant ones
-    rsv_rgb irradiance; ///< on a surface that faces it, without occlusion, times what it stands for
+    rsv_rgb irradiance; ///< on a surface that faces it, unoccluded, times the sample's weight
 } rsv_punctual_sample;
 
 /// Share of a spot's intensity at the cosine of the angle to its axis: the extension's recommended
@@ -91,7 +91,7 @@ RSV_INLINE rsv_vec3 rsv_punctual_place_by(const rsv_punctual_light *light, float
     return rsv_punctual_place(light, numbers);
 }
 
-/// What a light sends out along its way, per intensity. @param towards the light, unit
+/// Emission of a light along its way, per intensity. @param towards the light, unit
 RSV_INLINE double rsv_punctual_share(
     const rsv_scene_view *scene, const rsv_punctual_light *light, rsv_vec3 towards)
 {
@@ -130,7 +130,7 @@ RSV_INLINE bool rsv_punctual_arriving(const rsv_scene_view *scene, const rsv_pun
     return scale > 0;
 }
 
-/// Luminance of all that a light sends out, W; of distant ones 0.
+/// Luminance of the total emission of a light, W; 0 for directional lights.
 double rsv_punctual_flux(const rsv_scene_view *scene, const rsv_punctual_light *light);
 
 /// @param weight by which its light counts @return NULL if none can contribute
@@ -173,11 +173,10 @@ RSV_INLINE rsv_ray rsv_ray_to(rsv_vec3 origin, rsv_vec3 direction, float t_max)
     return ray;
 }
 
-/// The segment that must be free for a sample's light to arrive, t_max = 1: from `origin` (off the receiver's
-/// surface) to the sampled point, moved off the emitter's surface likewise. Neither end depends on the
-/// other's distance, so lamps close to what they light do not shadow themselves.
-/// Rays to suns and sky have no end.
-/// @param point the receiver the sample was drawn for
+/// The segment that must be unoccluded for a sample's light to arrive, t_max = 1: from `origin` (off the receiver's
+/// surface) to the sampled point, moved off the emitter's surface in the same way. Neither end depends on the distance
+/// of the other, so lamps close to a receiver do not shadow themselves. Rays to suns and sky are infinite.
+/// @param point the receiver for which the sample was drawn
 RSV_INLINE rsv_ray rsv_shadow_ray(
     const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin)
 {
@@ -193,7 +192,7 @@ RSV_INLINE rsv_ray rsv_shadow_ray(
     return rsv_ray_to(origin, v3_sub(target, origin), 1);
 }
 
-/// Share of the way to a punctual light that is asked about: one that lies on a wall is not hidden by it.
+/// Tested part of the way to a punctual light, so that a wall does not hide a light that lies on it.
 #define RSV_PUNCTUAL_WAY 0.99999f
 
 /// The same for a punctual light.

@@ -1,6 +1,6 @@
-/// A latitude-longitude picture of the sky: lookup, importance sampling, irradiance by normal.
+/// A latitude-longitude image of the sky: lookup, importance sampling, irradiance by normal.
 ///
-/// What is inline here serves device code too.
+/// Inline functions are also for device code.
 #ifndef RSV_SKY_H
 #define RSV_SKY_H
 

@@ -19,7 +19,7 @@ static void average_row(const rsv_sky *sky, uint32_t row, const float *tent, flo
 /// Adds the flux of one row of pixels to its cells.
 static void add_row(rsv_sky_sampler *s, uint32_t row, float *luminance)
 {
-    // what linear interpolation makes of a pixel within its own bounds and those of its neighbours
+    // integral of linear interpolation, over a pixel's own area, of it and its neighbours
     static const float tent[3] = { 0.125f, 0.75f, 0.125f };
     const rsv_sky *sky = &s->sky;
     average_row(sky, row, tent, luminance);

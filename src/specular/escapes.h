@@ -1,9 +1,9 @@
-/// Where gather specular paths left the scene: bins of directions that stay with the rows of G, so that turning,
-/// dimming or replacing the surroundings takes no new rays.
+/// Directions in which specular paths of gather rays left the scene. They are stored with the rows of G as bins, so
+/// that rotating, dimming or replacing the environment takes no new rays.
 ///
-/// Bins are octahedral. Specular paths that escaped straight from the receiver, past blended surfaces or not, and specular paths that met specular surfaces first
-/// are told apart, as they find different parts of the environment: `gathered` the first (the rest is sampled),
-/// all but the suns the second.
+/// Bins are octahedral. Paths that left the receiver straight, possibly through blended surfaces, are kept apart from
+/// those that met specular surfaces first, because they find different parts of the environment: the former only
+/// `gathered` (the rest is sampled), the latter everything but the suns.
 #ifndef RSV_ESCAPES_H
 #define RSV_ESCAPES_H
 
@@ -53,7 +53,7 @@ rsv_status rsv_escapes_store(rsv_context *context, rsv_escapes *escapes, size_t 
     const rsv_escape_row *row, rsv_escape_list *list);
 /// Moves a list of rows behind those of all lists before; it is empty then.
 rsv_status rsv_escapes_append(rsv_context *context, rsv_escapes *escapes, rsv_escape_list *list);
-/// To be called once all lists are appended.
+/// Call it after all lists have been appended.
 void rsv_escapes_finish(rsv_escapes *escapes, size_t row_count);
 void rsv_escape_list_destroy(rsv_context *context, rsv_escape_list *list);
 

@@ -24,7 +24,7 @@ static rsv_rgb turned_light(const rsv_transport_scene *scene, const rsv_specular
 
 rsv_vec3 rsv_fog_draw_turn(float g, rsv_vec3 forward, rsv_random *random)
 {
-    // what the even share would have taken is drawn again
+    // directions that belong to the isotropic part are drawn again
     double even = rsv_phase_even_share(g) / (4 * M_PI);
     for (;;) {
         float u1 = rsv_random_float(random), u2 = rsv_random_float(random);
@@ -34,12 +34,12 @@ rsv_vec3 rsv_fog_draw_turn(float g, rsv_vec3 forward, rsv_random *random)
     }
 }
 
-/// Adds what a path that gathers light finds where it is turned.
+/// Adds the light that a gather path finds where fog turns it.
 static void gather_turned(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_vec3 place,
     rsv_random *random, rsv_fog_crossing *crossing)
 {
     crossing->emission = rgb_add(crossing->emission, turned_light(scene, path, place, random));
-    path->turns = 0; // what comes straight from sources was gathered
+    path->turns = 0; // light straight from sources has been gathered
 }
 
 /// Turns the path at a place. False if it ends there.
@@ -55,7 +55,7 @@ static bool turn(const rsv_transport_scene *scene, rsv_specular_path *path, rsv_
     path->direction = rsv_fog_draw_turn(fog->anisotropy, path->direction, random);
     path->events++;
     path->rays++;
-    return path->events < RSV_SPECULAR_MAX_EVENTS;
+    return rsv_specular_goes_on(path, random);
 }
 
 rsv_specular_path rsv_specular_in_air(
@@ -73,7 +73,7 @@ rsv_specular_path rsv_specular_in_air(
 /// A segment of a path through fog.
 typedef struct segment {
     rsv_ray ray;
-    rsv_hit hit; ///< what it meets; triangle RSV_NONE = nothing
+    rsv_hit hit; ///< end of the segment; triangle RSV_NONE = none
     bool turned; ///< it leaves a place in the fog, and the path is not at its end yet
 } segment;
 

@@ -1,8 +1,9 @@
 /// Free flights: where fog scatters the light of a ray.
 ///
-/// A ray that gathers light ends in the fog with the probability that light is taken from it there, or else where it would
-/// have ended in clear air. The column of extinction is drawn for one channel, in proportion to the throughput; the weight
-/// is the ratio of each channel's density to that of the mixture (Wilkie et al. 2014), 1 where all have one extinction.
+/// A gather ray ends in the fog with the probability that its light is extinguished there, and otherwise where it would
+/// have ended in clear air. The optical depth is drawn for one channel, in proportion to the throughput. The weight is
+/// the ratio of each channel's density to that of the mixture (Wilkie et al. 2014), 1 if all channels have the same
+/// extinction.
 #ifndef RSV_FOG_FLIGHT_H
 #define RSV_FOG_FLIGHT_H
 
@@ -55,7 +56,7 @@ RSV_INLINE rsv_fog_flight rsv_fog_fly(
     double column = rsv_fog_free_column((&fog->extinction.r)[c], u);
     flight.lands = column < run.column;
     if (flight.lands) {
-        // this side of what the ray meets, however it is rounded
+        // before the end of the ray, despite rounding
         double distance = fmin(rsv_fog_find(&run, column), (1 - 1e-5) * (double)ray->t_max);
         flight.place = v3_mad(ray->origin, (float)distance, ray->direction);
     }
@@ -84,7 +85,7 @@ RSV_INLINE rsv_ray rsv_specular_segment(
     return ray;
 }
 
-/// Takes from a specular path what the fog on its last segment takes.
+/// Attenuates a specular path by the fog on its last segment.
 RSV_INLINE void rsv_specular_dim(const rsv_transport_scene *scene, rsv_specular_path *path)
 {
     const rsv_fog *fog = scene->view->fog;
@@ -101,17 +102,17 @@ rsv_vec3 rsv_fog_draw_turn(float g, rsv_vec3 forward, rsv_random *random);
 typedef enum rsv_fog_fate {
     RSV_FOG_MEETS,   ///< the path is at a surface
     RSV_FOG_ESCAPES, ///< its direction says how it leaves the scene
-    RSV_FOG_LANDS,   ///< where fog scatters light to all sides alike
+    RSV_FOG_LANDS,   ///< where fog scatters light isotropically
     RSV_FOG_ABSORBS
 } rsv_fog_fate;
 
-/// Who is told of each segment through fog of a path that brings light. @param weight the path's as the segment begins
+/// Receives each segment in fog of a path that carries light. @param weight of the path at the start of the segment
 typedef struct rsv_fog_witness {
     void *user;
     void (*cross)(void *user, const rsv_ray *ray, rsv_rgb weight);
 } rsv_fog_witness;
 
-/// What a path finds on its way through fog.
+/// Result of a path's segment in fog.
 typedef struct rsv_fog_crossing {
     const rsv_fog_witness *witness; ///< NULL = the path gathers light: sources are sampled where it is turned
     rsv_vec3 place; ///< where it lands
@@ -119,11 +120,12 @@ typedef struct rsv_fog_crossing {
         emission; ///< radiance that fog emitted and turned into the path where it did not end it, times its throughput: added to
 } rsv_fog_crossing;
 
-/// Takes a specular path through the fog on its last segment; its weight says what that let pass. Bodies displace fog.
+/// Follows a specular path through the fog on its last segment; its weight becomes that of the transmitted light. There
+/// is no fog in solid bodies.
 ///
-/// Of an uneven phase function, the even share ends paths, as diffuse reflection does; the rest turns them, as specular events
-/// do, and gathers what sources send there straight.
-/// @param leaves the scene, so that the segment begins at the path's surface
+/// The isotropic part of a phase function ends paths, as diffuse reflection does. The directional part turns them, as
+/// specular events do, and gathers light straight from sources there.
+/// @param leaves whether the path leaves the scene, so that the segment begins at the path's surface
 rsv_fog_fate rsv_specular_cross_fog(const rsv_transport_scene *scene, rsv_specular_path *path,
     bool leaves, rsv_random *random, rsv_fog_crossing *crossing);
 

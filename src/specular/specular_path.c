@@ -31,7 +31,7 @@ static rsv_gather end_in_air(const rsv_transport_scene *scene, rsv_gather *gathe
     return *gather;
 }
 
-/// Takes the path through fog; adds what it finds there.
+/// Follows the path through fog, and adds the light it finds there.
 static rsv_fog_fate cross_fog(const rsv_transport_scene *scene, rsv_specular_path *path,
     bool leaves, rsv_random *random, rsv_gather *gather)
 {
@@ -49,7 +49,7 @@ static rsv_vec3 place_of(const rsv_transport_scene *scene, const rsv_specular_pa
     return v3_barycentric(p[corner[0]], p[corner[1]], p[corner[2]], path->u, path->v);
 }
 
-/// @param witness NULL = nobody @param gather what was found so far
+/// @param witness NULL = none @param gather light found so far
 static rsv_gather follow(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, const rsv_emission_wanted *wanted, const rsv_specular_witness *witness,
     rsv_gather gather)

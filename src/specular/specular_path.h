@@ -1,5 +1,5 @@
-/// The specular path of specular events `S*` between two diffuse interfaces: what the propagation operator G
-/// folds away. Used from receivers (rows of G, probes) and, in the adjoint direction, from lights.
+/// The chain of specular events `S*` between two diffuse surfaces, which is part of the propagation operator G.
+/// Followed from receivers (rows of G, probes) and, in the adjoint direction, from lights.
 #ifndef RSV_SPECULAR_PATH_H
 #define RSV_SPECULAR_PATH_H
 
@@ -34,11 +34,11 @@ RSV_SHARED const rsv_bsdf *rsv_specular_bsdf(
 RSV_SHARED void rsv_specular_normals(const rsv_transport_scene *scene,
     const rsv_specular_path *path, rsv_vec3 *shading, rsv_vec3 *geometric);
 
-/// The same, with the normal that the BSDF is to be asked with: the one seen, unless it would lose what is mirrored.
+/// The same, with the normal for the BSDF: the visible one, unless mirrored light would be lost.
 RSV_SHARED const rsv_bsdf *rsv_specular_scattering(const rsv_transport_scene *scene,
     const rsv_specular_path *path, rsv_vec3 *normal, rsv_bsdf *storage);
 
-/// Branch weights at the specular path's surface. What it does not cover counts as transmitted, straight on.
+/// Branch weights at the path's surface. Light past its coverage counts as transmitted straight.
 RSV_SHARED rsv_bsdf_branches rsv_specular_branches(
     const rsv_transport_scene *scene, const rsv_specular_path *path);
 
@@ -46,11 +46,11 @@ RSV_SHARED rsv_bsdf_branches rsv_specular_branches(
 RSV_SHARED rsv_bsdf_branches rsv_specular_branches_at(
     const rsv_transport_scene *scene, const rsv_specular_path *path, const rsv_surface_point *seen);
 
-/// Draws what happens to the specular path at its surface, which it may pass where that does not cover (RSV_LOBE_PASS).
+/// Draws the event at the path's surface. The path may pass beside its coverage (RSV_LOBE_PASS).
 RSV_SHARED rsv_bsdf_event rsv_specular_draw_event(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_random *random);
 
-/// Draws among what is neither diffuse nor a gap in the surface's cover; the weight holds the chance of these.
+/// Draws among specular events only, without diffuse ones and gaps in coverage; the weight holds their probability.
 /// @param u for the lobe and for the direction within it, in [0, 1)
 RSV_SHARED rsv_bsdf_event rsv_specular_draw_specular(
     const rsv_transport_scene *scene, const rsv_specular_path *path, const float u[3]);
@@ -61,8 +61,8 @@ typedef enum rsv_specular_move {
     RSV_SPECULAR_LOST ///< the direction belongs to the other side of the surface; nothing changed
 } rsv_specular_move;
 
-/// Leaves the surface by reflection or transmission and moves to the next one (rsv_specular_depart, rsv_specular_set_out and
-/// rsv_specular_arrive in one).
+/// Leaves the surface by reflection or transmission and moves to the next one (rsv_specular_depart,
+/// rsv_specular_set_out and rsv_specular_arrive in one).
 /// @param weight multiplies the throughput
 RSV_SHARED rsv_specular_move rsv_specular_step(const rsv_transport_scene *scene,
     rsv_specular_path *path, bool transmit, rsv_vec3 direction, rsv_rgb weight);
@@ -71,7 +71,7 @@ RSV_SHARED rsv_specular_move rsv_specular_step(const rsv_transport_scene *scene,
 RSV_SHARED rsv_specular_move rsv_specular_follow(const rsv_transport_scene *scene,
     rsv_specular_path *path, const rsv_bsdf_event *event, rsv_rgb weight);
 
-/// What a gather specular path found on its way: emission that counts, and where it ended.
+/// Result of a gather path: the emission that counts, and where it ended.
 typedef struct rsv_gather {
     rsv_specular_end end;
     rsv_specular_path
@@ -85,40 +85,41 @@ typedef struct rsv_gather {
 /// Roulette: divides by the largest channel after having survived with that probability.
 bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random);
 
-/// Whether radiance emitted by a surface met after `turns` specular events (rsv_specular_path.turns) is wanted.
+/// Whether to count emission of a surface hit after `turns` specular events (rsv_specular_path.turns).
 typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t turns);
 
 /// Called at the end of each segment after the first. @param from where it began @param left_scene it has no end
 typedef void (*rsv_specular_visitor)(
     void *user, const rsv_specular_path *path, bool left_scene, rsv_vec3 from);
 
-/// Who is told of the segments of a gather path; `visit` NULL = nobody.
+/// Receives the segments of a gather path; `visit` NULL = none.
 typedef struct rsv_specular_witness {
     rsv_specular_visitor visit;
     void *user;
 } rsv_specular_witness;
 
-/// Follows a gather specular path to its diffuse end, drawing events by their probability. What the roulette
-/// leaves is colour only: a colourless specular path keeps weight 1.
+/// Follows a gather path to its diffuse end, drawing events by their probability. After Russian roulette, weights are
+/// only colours: a colourless path keeps weight 1.
 rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, rsv_emission_filter filter, const void *user);
 
-/// A path that is at no surface yet. @param medium that it runs through; NULL = the air @param direction unit, that it came along
+/// A path that is at no surface yet. @param medium that it runs through; NULL = the air @param direction unit, that it
+/// came along
 rsv_specular_path rsv_specular_in_air(
     const rsv_transport_scene *scene, const rsv_medium *medium, rsv_vec3 direction);
 
-/// Which emission is wanted.
+/// The emission to count.
 typedef struct rsv_emission_wanted {
     rsv_emission_filter filter;
     const void *user;
 } rsv_emission_wanted;
 
-/// The same with a witness of what it passes; NULL = nobody.
+/// The same with a witness of its segments; NULL = none.
 rsv_gather rsv_specular_gather_seen(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_random *random, const rsv_emission_wanted *wanted, const rsv_specular_witness *witness);
 
-/// The same for a path that fog has met at a place before it came to any surface (rsv_specular_in_air): it ends there, or is
-/// turned and goes on.
+/// The same for a path that fog has met at a place before it came to any surface (rsv_specular_in_air): it ends there,
+/// or is turned and goes on.
 rsv_gather rsv_specular_gather_from_fog(const rsv_transport_scene *scene, rsv_specular_path path,
     rsv_vec3 place, rsv_random *random, const rsv_emission_wanted *wanted);
 

@@ -1,4 +1,4 @@
-/// Specular paths on their way from surface to surface, but for the tracing: plain C, also for device code.
+/// Steps of specular paths from surface to surface, without the ray tracing. Plain C, also for device code.
 #ifndef RSV_SPECULAR_WALK_H
 #define RSV_SPECULAR_WALK_H
 
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/// Everything a specular path needs to know of the scene.
+/// Scene data for specular paths.
 typedef struct rsv_transport_scene {
     const rsv_scene *scene;
     const rsv_scene_view *view;
@@ -17,9 +17,9 @@ typedef struct rsv_transport_scene {
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
     const struct rsv_fog_lights
-        *fog_lights; ///< what fog that scatters unevenly is lit by; NULL = nothing
+        *fog_lights; ///< lights for anisotropic fog; NULL = none
     const struct rsv_known_cells *known_cells; ///< of an earlier version; NULL = none
-    const struct rsv_update *update;           ///< what is taken over from it; NULL = nothing
+    const struct rsv_update *update;           ///< data reused from before an edit; NULL = none
 } rsv_transport_scene;
 
 /// A specular path at one of its surfaces. Set by rsv_specular_begin, moved by rsv_specular_step.
@@ -27,10 +27,10 @@ typedef struct rsv_specular_path {
     rsv_vec3 direction;  ///< unit, of the segment that arrived here
     rsv_rgb weight;      ///< throughput of basic radiance up to this surface, all media included
     rsv_medium medium;   ///< that the segment ran through
-    float length;        ///< of that segment, metres; 0 = fog on it has been asked for
+    float length;        ///< of that segment, metres; 0 = its fog has been handled
     rsv_channel channel; ///< of its light, once a body has dispersed it
     float start_ior;     ///< of the medium that the specular path started in
-    bool settled;        ///< has met the surface of a body, and so knows where it started
+    bool settled;        ///< has hit the surface of a body, so the medium at its start is known
     uint32_t triangle;
     float u, v;
     bool back;       ///< arrived at the triangle's back
@@ -40,12 +40,12 @@ typedef struct rsv_specular_path {
     uint32_t turns;
     uint32_t rays; ///< rays traced so far
     float spread;  ///< metres by which the footprint grows per metre
-    float width;   ///< of the footprint on this surface: what textures are averaged over
+    float width;   ///< of the footprint on this surface, over which textures are averaged
 } rsv_specular_path;
 
 /// Footprint of a gather ray: an eighth of the cone of one of the 250 or so that share a hemisphere. Wider averages mix
-/// maps that vary together (where a metal has no transmission) and neighbours in an atlas: a frosted lampshade lost 60 % of
-/// its light at full width. Chance directions average anyway.
+/// maps that vary together (where a metal has no transmission) and neighbours in an atlas: a frosted lampshade lost 60
+/// % of its light at full width. Chance directions average anyway.
 #define RSV_GATHER_SPREAD 0.02f
 
 RSV_INLINE uint32_t rsv_specular_material(
@@ -89,7 +89,7 @@ RSV_INLINE void rsv_specular_end_segment(
     path->width += path->spread * hit->t;
     path->back = back;
     uint32_t material = rsv_specular_material(scene, path);
-    // what a body is made of is the same all over
+    // the medium of a body is uniform
     if (scene->bsdf[material].solid) {
         if (path->back) rsv_medium_arrive_inside(&path->medium, material);
         if (!path->settled) path->start_ior = rsv_medium_ior(&path->medium, scene->bsdf);
@@ -153,7 +153,7 @@ RSV_INLINE rsv_vec3 rsv_specular_facing_normal(
     return v3_dot(seen->normal, path->direction) >= 0 ? seen->geometric : seen->normal;
 }
 
-/// The normal to ask the surface's BSDF with: the one seen, unless it would lose what is mirrored.
+/// Normal for the surface's BSDF: the visible one, unless mirrored light would be lost.
 RSV_INLINE rsv_vec3 rsv_specular_bsdf_normal(
     const rsv_bsdf *bsdf, const rsv_specular_path *path, const rsv_surface_point *seen)
 {
@@ -162,8 +162,7 @@ RSV_INLINE rsv_vec3 rsv_specular_bsdf_normal(
     return rsv_bsdf_specular_normal(normal, seen->geometric, v3_neg(path->direction));
 }
 
-/// Branch weights at a surface point that is known, with how it scatters. What the surface does not cover counts as
-/// transmitted, straight on.
+/// Branch weights at a known surface point and BSDF. Light past its coverage counts as transmitted straight.
 RSV_INLINE rsv_bsdf_branches rsv_specular_branches_of(
     const rsv_bsdf *bsdf, const rsv_specular_path *path, const rsv_surface_point *seen)
 {

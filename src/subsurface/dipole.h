@@ -62,7 +62,7 @@ RSV_INLINE double rsv_dipole_reflectance(const rsv_dipole *dipole)
            (exp(-dipole->decay * dipole->real) + exp(-dipole->decay * dipole->image));
 }
 
-/// The alpha' at which the half space reflects `reflectance` in all: what an albedo asks of the medium.
+/// The alpha' at which a half space has the total reflectance `reflectance`: the medium for a given albedo.
 /// @param reflectance in [0, 1]
 RSV_INLINE double rsv_dipole_albedo(double reflectance, double eta)
 {

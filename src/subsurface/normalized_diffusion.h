@@ -1,10 +1,10 @@
-/// Normalised diffusion (Christensen and Burley 2015, "Approximate reflectance profiles for efficient
-/// subsurface scattering"): how far from where light entered it leaves again. Plain C, also for device code.
+/// Normalised diffusion (Christensen and Burley 2015, "Approximate reflectance profiles for efficient subsurface
+/// scattering"): the distance between where light enters and leaves. Plain C, also for device code.
 ///
 ///     p(r) = (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r),   int_0^inf 2 pi r p dr = 1
 ///
-/// times the total reflectance A is the searchlight response R(r) of a half space. The shape d = l / s(A)
-/// follows from the mean free path l through one of the paper's fits s.
+/// times the total reflectance A is the searchlight response R(r) of a half space. The shape d = l / s(A) follows from
+/// the mean free path l by one of the paper's fits s.
 #ifndef RSV_NORMALIZED_DIFFUSION_H
 #define RSV_NORMALIZED_DIFFUSION_H
 

@@ -57,7 +57,7 @@ RSV_INLINE float rsv_exp_negative(float x)
     return power * scale.value;
 }
 
-/// log(x) for finite x >= 1 to 1e-7 of 1 or of itself, whichever is more; likewise.
+/// log(x) for finite x >= 1, with an absolute or relative error of 1e-7, whichever is larger.
 RSV_INLINE float rsv_log_above_one(float x)
 {
     union {

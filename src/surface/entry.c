@@ -8,6 +8,7 @@ bool rsv_coat_varies(const rsv_scene_view *scene, uint32_t material)
         case RSV_TEXTURE_BASE_COLOR:
         case RSV_TEXTURE_OPACITY:
         case RSV_TEXTURE_NORMAL:
+        case RSV_TEXTURE_CLEARCOAT_NORMAL:
         case RSV_TEXTURE_EMISSION:
         case RSV_TEXTURE_TRANSMISSION:
         case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
@@ -42,7 +43,7 @@ void rsv_surface_entry_add(rsv_surface_entry *entry, const rsv_scene_view *scene
     entry->points++;
 }
 
-/// Mean over the hemisphere of what lies linearly between the places: 4 int f x^3 dx over x = sqrt(cos).
+/// Mean over the hemisphere of values linear between the samples: 4 int f x^3 dx with x = sqrt(cos).
 static rsv_rgb hemispherical_mean(const rsv_rgb mean[RSV_ENTRY_COS])
 {
     rsv_rgb sum = rgb_gray(0);

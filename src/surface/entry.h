@@ -1,9 +1,9 @@
-/// How light enters a patch of surface: through a coat that textures may change from point to point.
+/// How light enters a patch of surface through its coat, which may be textured.
 ///
-/// Of a plain material that is rsv_bsdf_entry. Where the coat varies it is the mean of this over points of the patch, by
-/// cosine alone: under even light the same at all of them, so that few will do.
+/// For a plain material, this is rsv_bsdf_entry. Where the coat varies, it is the mean over points of the patch, by
+/// cosine only. In uniform light all points have the same value, so a few suffice.
 ///
-/// What is inline here serves device code too.
+/// Inline functions are also for device code.
 #ifndef RSV_ENTRY_H
 #define RSV_ENTRY_H
 
@@ -17,7 +17,7 @@ typedef struct rsv_surface_entry {
     rsv_rgb mean[RSV_ENTRY_COS];
 } rsv_surface_entry;
 
-/// Whether textures change what the material's coat lets through.
+/// Whether textures change the transmission of the material's coat.
 bool rsv_coat_varies(const rsv_scene_view *scene, uint32_t material);
 
 /// The entry of a patch of this material, of no points yet.
@@ -27,7 +27,7 @@ rsv_surface_entry rsv_surface_entry_of(uint32_t material);
 void rsv_surface_entry_add(rsv_surface_entry *entry, const rsv_scene_view *scene,
     const rsv_bsdf *common, uint32_t triangle, float u, float v);
 
-/// Makes means of what was added.
+/// Divides the sums to get means.
 void rsv_surface_entry_finish(rsv_surface_entry *entry);
 
 /// Whether the patch is coated at all.
@@ -36,7 +36,7 @@ RSV_INLINE bool rsv_surface_entry_tints(const rsv_surface_entry *entry, const rs
     return entry->points > 0 || common[entry->material].coated;
 }
 
-/// What light at that cosine counts for as irradiance of the patch.
+/// Weight of light at that cosine as irradiance of the patch.
 RSV_INLINE rsv_rgb rsv_surface_entry_at(
     const rsv_surface_entry *entry, const rsv_bsdf *common, float cos)
 {

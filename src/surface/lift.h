@@ -1,11 +1,11 @@
-/// Coarse triangles with smooth normals stand for a curved surface that bulges over them. Light that grazes it meets the
-/// triangles' planes from behind, or their neighbours, and shadows follow the facets' edges. So rays that graze such a
-/// triangle start from the curved surface: from where the planes at right angles to the vertices' normals put it (Hanika,
-/// "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021), where it is convex; and what light is above it, its normal
-/// decides. Rays that do not graze start from the triangle, so that what touches it still shades it.
+/// Coarse triangles with smooth normals represent a curved surface that bulges above them. Light at grazing angles hits
+/// the planes of the triangles from behind, or their neighbours, and shadows follow the facets. Rays that graze a
+/// convex triangle therefore start from the curved surface, given by the planes perpendicular to the vertices' normals
+/// (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021). The normal of that surface decides which light
+/// is above it. Other rays start from the triangle, so that objects that touch it still cast shadows.
 ///
-/// Used by all that receives light, through receiver/receiver.h. The path tracer has code of its own
-/// for the same surface (reference/path_surface.c).
+/// Used by all receivers of light, through receiver/receiver.h. The path tracer has separate code for the same surface
+/// (reference/path_surface.c).
 #ifndef RSV_LIFT_H
 #define RSV_LIFT_H
 
@@ -28,7 +28,8 @@ RSV_INLINE bool rsv_normals_are_flat(const rsv_vec3 normal[3])
     return true;
 }
 
-/// From a point of a triangle to the convex surface that it stands for; the zero vector where that does not rise above it.
+/// From a point of a triangle to the convex surface that it stands for; the zero vector where that does not rise above
+/// it.
 /// @param side 1 or -1, of the triangle
 RSV_INLINE rsv_vec3 rsv_lift_of(const rsv_vec3 corner[3], const rsv_vec3 normal[3], float u,
     float v, const rsv_surface_point *point, float side)
@@ -44,7 +45,8 @@ RSV_INLINE rsv_vec3 rsv_lift_of(const rsv_vec3 corner[3], const rsv_vec3 normal[
     return lift;
 }
 
-/// Lifts a point of a triangle, on the side of its geometric normal, to the curved surface, unless something lies between.
+/// Lifts a point of a triangle, on the side of its geometric normal, to the curved surface, unless something lies
+/// between.
 RSV_INLINE void rsv_surface_lift(const rsv_scene_view *scene, const rsv_tracer *tracer,
     uint32_t triangle, float u, float v, rsv_surface_point *point)
 {

@@ -1,15 +1,14 @@
-/// What light runs through: the bodies that a segment of a path lies in, and how they dim it.
+/// Media along paths: the bodies that a segment of a path is in, and how they attenuate it.
 ///
-/// Paths know their medium by the surfaces they pass: below the front of a solid body it is inside, beyond
-/// the back outside. Who arrives at the back of a body has been inside, whatever was thought before: this
-/// settles the medium of paths that start at an unknown one, and of meshes that have holes or overlap.
+/// Paths know their medium from the surfaces they cross: below the front of a solid body is its inside, beyond the back
+/// its outside. A path that arrives at the back of a body must have been inside. This settles the medium of paths that
+/// start in an unknown one, and of meshes that have holes or overlap.
 ///
-/// Scattering functions deal in basic radiance L / ior^2 (bsdf/bsdf.h), which smooth and rough interfaces
-/// and diffuse surfaces alike leave unscaled. Sources and receivers deal in radiance, so a path that ends
-/// in another medium than it started in takes one factor (ior of its start / ior of its end)^2. Photons
-/// carry flux, which takes none.
+/// Scattering functions use basic radiance L / ior^2 (bsdf/bsdf.h), which smooth and rough interfaces and diffuse
+/// surfaces do not scale. Sources and receivers use radiance, so a path that ends in another medium than it started in
+/// gets one factor (ior of its start / ior of its end)^2. Photons carry flux, which needs no factor.
 ///
-/// What is inline here serves device code too.
+/// Inline functions are also for device code.
 #ifndef RSV_MEDIUM_H
 #define RSV_MEDIUM_H
 
@@ -70,9 +69,9 @@ RSV_INLINE void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool bac
         rsv_medium_enter(medium, material);
 }
 
-/// The innermost body, where the depth is not 0. @param bsdf [material_count]
+/// The innermost body, if the depth is not 0. @param bsdf [material_count]
 ///
-/// Its callers ask for the depth, and it returns no NULL: ptxas 13.0 tests such a pointer too early on Hopper, and reads
+/// Callers test the depth, and NULL is never returned: ptxas 13.0 tests such a pointer too early on Hopper, and reads
 /// through NULL (CS2R, a predicated write, and ISETP five cycles later).
 RSV_INLINE const rsv_bsdf *rsv_medium_body(const rsv_medium *medium, const rsv_bsdf *bsdf)
 {
@@ -90,8 +89,8 @@ RSV_INLINE bool rsv_medium_absorbs(const rsv_medium *medium, const rsv_bsdf *bsd
     return medium->depth && !rgb_is_black(rsv_medium_body(medium, bsdf)->absorption);
 }
 
-/// What is left of light after `distance` metres (Beer-Lambert). Whoever sees an infinite distance lies in
-/// a body without an end, whose surface is not all there: nothing is taken away.
+/// Transmittance over `distance` metres (Beer-Lambert). An infinite distance means that the body's surface is
+/// incomplete, and nothing is absorbed.
 RSV_INLINE rsv_rgb rsv_medium_transmittance(
     const rsv_medium *medium, const rsv_bsdf *bsdf, float distance)
 {
@@ -110,8 +109,8 @@ typedef struct rsv_media {
 
 rsv_media rsv_media_of(const rsv_scene_view *view, const rsv_tracer *tracer, const rsv_bsdf *bsdf);
 
-/// The medium above a place: told by the first solid surface that one of a few rays meets there.
-/// @param origin off its surface @param normal unit
+/// The medium above a point: that of the first solid surface that one of a few rays hits.
+/// @param origin off the surface @param normal unit
 rsv_medium rsv_medium_above(const rsv_media *media, rsv_vec3 origin, rsv_vec3 normal);
 
 #endif

@@ -14,7 +14,8 @@ static bool keeps_lambert(const rsv_material *m)
     for (size_t i = 0; i < m->texture_count; i++) {
         rsv_texture_role role = m->textures[i].role;
         if (role != RSV_TEXTURE_BASE_COLOR && role != RSV_TEXTURE_EMISSION &&
-            role != RSV_TEXTURE_NORMAL && role != RSV_TEXTURE_OPACITY)
+            role != RSV_TEXTURE_NORMAL && role != RSV_TEXTURE_OPACITY &&
+            role != RSV_TEXTURE_CLEARCOAT_NORMAL)
             return false;
     }
     return true;

@@ -1,10 +1,9 @@
-/// A surface where light meets it: its place, its normals, how it scatters there.
+/// A surface at the point where light meets it: position, normals, scattering.
 ///
-/// `width` is the edge of the patch, in metres, that textures are averaged over (scene/material_at.h): 0 where the
-/// point itself is wanted, the size of a pixel for the camera, more for gather rays, which each stand for a
-/// whole cone of directions.
+/// `width` is the size of the patch over which textures are averaged, in metres (scene/material_at.h): 0 = the point
+/// itself, the size of a pixel for cameras, more for gather rays, each of which represents a cone of directions.
 ///
-/// What is inline here serves device code too.
+/// Inline functions are also for device code.
 #ifndef RSV_SURFACE_H
 #define RSV_SURFACE_H
 
@@ -18,7 +17,7 @@ typedef struct rsv_surface_point {
     rsv_vec3 normal;    ///< unit shading normal
     rsv_vec3 geometric; ///< unit geometric normal
     float extent;       ///< for rsv_offset_origin
-    rsv_vec3 horizon;   ///< unit normal of what light is above: the geometric one, but where lifted
+    rsv_vec3 horizon;   ///< unit normal that decides which light is above: geometric, except where lifted
     rsv_vec3 lift; ///< to the curved surface that the triangle stands for (lift.h); zero = none
 } rsv_surface_point;
 
@@ -54,7 +53,7 @@ RSV_INLINE rsv_surface_point rsv_surface_point_at(
     return point;
 }
 
-/// The point with its normal map: what is seen, and what elements receive by.
+/// The point with its normal map, for viewing and for elements.
 RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back, float width);
 
@@ -67,8 +66,8 @@ RSV_INLINE bool rsv_surface_faces(const rsv_surface_point *point, rsv_vec3 direc
 /// Area of a triangle of the scene, m2.
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 
-/// What a material's surfaces have in common: the constants of a plain one; of one that varies, its mean, with
-/// `lambert` only if it is so everywhere.
+/// Scattering common to all surfaces of a material: its constants if it is plain, otherwise its mean, with `lambert`
+/// only if that is true everywhere.
 rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material);
 
 /// A place on a triangle, and the width over which textures are averaged there, metres.
@@ -78,14 +77,14 @@ typedef struct rsv_footprint {
     rsv_channel channel; ///< of light that smooth bodies disperse
 } rsv_footprint;
 
-/// How the surface scatters there.
+/// Scattering at the surface point.
 /// @param common [material_count] from rsv_surface_common_bsdf
-/// @param storage used where the material varies
-/// @return into `common` for plain materials, at no cost; else `storage`
+/// @param storage used if the material varies
+/// @return an entry of `common` for plain materials, at no cost; otherwise `storage`
 RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(
     const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage);
 
-/// The same for the diffuse lobe alone (rsv_bsdf_vary_entry).
+/// The same for the diffuse lobe only (rsv_bsdf_vary_entry).
 RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(
     const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage);
 

@@ -1,4 +1,4 @@
-/// What textures make of a surface (surface.h).
+/// Textures of surfaces (surface.h).
 #ifndef RSV_SURFACE_BODY_H
 #define RSV_SURFACE_BODY_H
 
@@ -18,6 +18,15 @@ RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     return point;
 }
 
+/// Of the clear coat, on the front side; the interpolated one where the map's is below the triangle.
+RSV_INLINE rsv_vec3 rsv_surface_coat_normal(const rsv_scene_view *scene, rsv_footprint at)
+{
+    rsv_surface_point point = rsv_surface_point_at(scene, at.triangle, at.u, at.v, false);
+    rsv_vec3 mapped =
+        rsv_mapped_coat_normal(scene, at.triangle, at.u, at.v, at.width, point.normal);
+    return v3_dot(mapped, point.geometric) > 0 ? mapped : point.normal;
+}
+
 /// How the surface scatters light of all channels.
 RSV_INLINE const rsv_bsdf *rsv_surface_bsdf_of_all(
     const rsv_scene_view *scene, const rsv_bsdf *common, rsv_footprint at, rsv_bsdf *storage)
@@ -28,6 +37,7 @@ RSV_INLINE const rsv_bsdf *rsv_surface_bsdf_of_all(
     rsv_bsdf_vary(&common[material], &m, storage);
     if (storage->brushed)
         storage->brush = rsv_brush_direction(scene, at.triangle, at.u, at.v, m.anisotropy_rotation);
+    if (storage->tilted) storage->coat_normal = rsv_surface_coat_normal(scene, at);
     if (!storage->solid) storage->opacity = m.opacity;
     return storage;
 }

@@ -1,10 +1,10 @@
-/// What cameras see by mistake: nothing, or backs of single-sided surfaces, which are black here as in the format of glTF.
+/// Mistakes in what cameras see: nothing, or backs of single-sided surfaces, which are black here as in glTF.
 #ifndef RSV_BACKS_H
 #define RSV_BACKS_H
 
 #include "resolvent/trace.h"
 
-/// What a camera sees of backs.
+/// Backs seen by a camera.
 typedef struct rsv_seen_backs {
     double share;      ///< of the picture
     uint32_t material; ///< of most of them; RSV_NONE = it sees none

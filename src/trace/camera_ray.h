@@ -5,13 +5,13 @@
 #include "../core/vec.h"
 #include "resolvent/trace.h"
 
-/// Ray through a point of a `width` x `height` picture. The vertical field of view is the camera's,
-/// the horizontal one follows the picture's shape.
+/// Ray through a point of a `width` x `height` picture. The vertical field of view is that of the camera; the
+/// horizontal one follows from the shape of the picture.
 /// @param x, y in pixels from the top left corner: column or row + offset within the pixel
 /// @return unit direction, t_max infinite
 rsv_ray rsv_camera_ray(const rsv_camera *camera, uint32_t width, uint32_t height, float x, float y);
 
-/// What the rays of one picture have in common, for those who make many.
+/// Values shared by all rays of a picture, for callers that create many.
 typedef struct rsv_lens {
     rsv_camera camera;
     float half_width, half_height; ///< pixels

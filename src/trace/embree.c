@@ -1,4 +1,4 @@
-/// Hierarchies of Embree. What knows it is here and in embree_rays.c; both work with Embree 3.13 and 4.
+/// Hierarchies of Embree. Only this file and embree_rays.c use it; both work with Embree 3.13 and 4.
 #include "tracer_update.h"
 
 #include "../core/core.h"
@@ -39,7 +39,7 @@ static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
 {
     const rsv_tracer *tracer = hits->geometryUserPtr;
     const rsv_scene_view *scene = rsv_scene_get_view(tracer->head.scene);
-    // RTCHitN is a run of N for each member of RTCHit; Embree's accessors are for C++ alone
+    // RTCHitN has an array of N for each member of RTCHit; Embree's accessors are only for C++
     const float *member = (const float *)hits->hit;
     const float *u = member + 3 * hits->N, *v = member + 4 * hits->N;
     const uint32_t *primitive = (const uint32_t *)(member + 5 * hits->N);
@@ -89,7 +89,7 @@ static rsv_status open_device(const rsv_context *context, rsv_tracer *tracer)
     tracer->device = rsv_context_settings(context)->embree_device;
     if (tracer->device) {
         rtcRetainDevice(tracer->device);
-        rtcGetDeviceError(tracer->device); // forgets what the program did wrong before
+        rtcGetDeviceError(tracer->device); // clears errors that the program caused before
         return RSV_OK;
     }
     char settings[64];
@@ -136,9 +136,9 @@ static rsv_status list_apart(rsv_tracer *tracer, const bool *moves)
     return RSV_OK;
 }
 
-/// What was set apart has corners beyond the last vertex in the first geometry, so that Embree leaves it out and the others
-/// keep their numbers. Triangles without extent would do too, but where many lie in one point its builder finds no way to
-/// divide them, and aborts.
+/// In the first geometry, triangles that were set apart get indices beyond the last vertex, so that Embree ignores them
+/// and the others keep their numbers. Degenerate triangles would do too, but if many are in one point, Embree's builder
+/// cannot divide them, and aborts.
 static void drop_apart(const rsv_tracer *tracer)
 {
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, SCENE_GEOMETRY);
@@ -177,14 +177,15 @@ static void attach_apart(rsv_tracer *tracer)
     rtcReleaseGeometry(geometry);
 }
 
-/// Builds the two geometries of what is listed.
+/// Builds the two geometries of the listed triangles.
 static rsv_status build_apart(rsv_tracer *tracer)
 {
     if (tracer->apart_attached) rtcDetachGeometry(tracer->bvh, APART_GEOMETRY);
     tracer->apart_attached = true;
     drop_apart(tracer);
     attach_apart(tracer);
-    // a hierarchy for each geometry and one above them, each as good as the whole was, but for the splitting of triangles
+    // one hierarchy for each geometry and one above them, each as good as a single one, except for the splitting of
+    // triangles
     rtcSetSceneFlags(tracer->bvh, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(tracer->bvh, RTC_BUILD_QUALITY_LOW);
     rtcCommitScene(tracer->bvh);

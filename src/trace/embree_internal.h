@@ -1,4 +1,4 @@
-/// What the files that know Embree share.
+/// Shared by the files that use Embree.
 #ifndef RSV_EMBREE_INTERNAL_H
 #define RSV_EMBREE_INTERNAL_H
 

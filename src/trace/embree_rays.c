@@ -162,7 +162,7 @@ DEFINE_NARROW(4)
 static const _Alignas(
     64) int all_lanes[16] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 
-/// Gives what was set apart its numbers in the scene.
+/// Converts the indices of triangles that were set apart to those of the scene.
 static void name_apart(const rsv_tracer *tracer, rsv_ray_packet *packet)
 {
     for (int k = 0; k < 16; k++)

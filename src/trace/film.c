@@ -34,7 +34,7 @@ rsv_status rsv_film_check(const rsv_film_desc *d, const rsv_camera *camera)
     return RSV_OK;
 }
 
-/// Metres to what is in the middle of the picture.
+/// Distance of what is at the centre of the picture, metres.
 static float find_focus(const rsv_tracer *tracer, const rsv_lens *lens)
 {
     const rsv_ray ahead = rsv_lens_ray(lens, lens->half_width, lens->half_height);

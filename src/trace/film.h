@@ -1,4 +1,5 @@
-/// Camera rays of pictures that are more than a pinhole's: with depth of field, a shifted film, or all directions around.
+/// Camera rays of pictures that are more than a pinhole's: with depth of field, a shifted film, or all directions
+/// around.
 #ifndef RSV_FILM_H
 #define RSV_FILM_H
 
@@ -15,7 +16,7 @@ typedef struct rsv_film {
 /// RSV_ERROR_ARGUMENT for values that no camera has.
 rsv_status rsv_film_check(const rsv_film_desc *desc, const rsv_camera *camera);
 
-/// @param tracer finds what is in focus where the description does not say it
+/// @param tracer finds the distance in focus if the description does not give it
 rsv_film rsv_film_of(const rsv_tracer *tracer, const rsv_film_desc *desc, const rsv_camera *camera,
     uint32_t width, uint32_t height);
 
@@ -27,7 +28,7 @@ bool rsv_film_ray(const rsv_film *film, float x, float y, const float uv[2], rsv
 /// The angle that a pixel sees, radians, as rsv_camera_spread.
 float rsv_film_spread(const rsv_film *film);
 
-/// Whether all rays leave one point for a plane picture: what rsv_lens_see inverts.
+/// Whether all rays leave one point for a planar picture, which rsv_lens_see can invert.
 static inline bool rsv_film_is_plain(const rsv_film_desc *desc)
 {
     return desc->projection == RSV_PROJECTION_CAMERA && desc->f_number == 0 &&

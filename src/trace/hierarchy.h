@@ -5,8 +5,8 @@
 #include "../bvh/bvh.h"
 #include "resolvent/trace.h"
 
-/// Built when it is first asked for, whichever thread that is, and kept for the tracer's life or until triangles move.
-/// @param view out: the tracer's
+/// Built on first use, by any thread, and kept until the tracer is destroyed or triangles move.
+/// @param view out: owned by the tracer
 rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view);
 
 #endif

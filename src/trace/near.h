@@ -1,11 +1,11 @@
-/// The hierarchy asked for what lies around a point.
+/// Finds the triangles around a point in the hierarchy.
 #ifndef RSV_NEAR_H
 #define RSV_NEAR_H
 
 #include "resolvent/trace.h"
 
-/// Called for triangles that may be nearer than `*radius`, in no particular order. Sets a smaller radius to be spared
-/// what lies farther.
+/// Called for triangles that may be closer than `*radius`, in no particular order. May reduce the radius to skip
+/// triangles that are farther away.
 typedef void (*rsv_near_visitor)(void *user, uint32_t triangle, float *radius);
 
 void rsv_tracer_visit_near(

@@ -1,4 +1,4 @@
-/// The tracer without Embree: two hierarchies of the room bvh, one of what stays and one of what moves.
+/// The tracer without Embree: two hierarchies of the room bvh, one for fixed and one for moving triangles.
 #include "../core/core.h"
 #include "../scene/material_at.h"
 #include "../scene/scene.h"

@@ -1,4 +1,4 @@
-/// What the files of the tracer without Embree share.
+/// Shared by the files of the tracer without Embree.
 #ifndef RSV_OWN_INTERNAL_H
 #define RSV_OWN_INTERNAL_H
 

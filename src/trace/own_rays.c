@@ -4,7 +4,7 @@
 #include "own_internal.h"
 #include "packet.h"
 
-/// The nearest hit, or any. Of two in one place, what stays comes before what moves.
+/// The nearest hit, or any hit. Of two in one place, the fixed triangle comes first.
 static bool trace(const rsv_tracer *tracer, const rsv_ray *ray, bool any, rsv_hit *hit)
 {
     bool met = rsv_bvh_trace(&tracer->fixed.view, ray, any, hit);
@@ -76,7 +76,7 @@ void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet
     }
 }
 
-// ---- what lies near a point ------------------------------------------------------------------------
+// ---- triangles near a point ----------------------------------------------------------------------
 
 /// Distance along one axis from a place to child k, or less by rounding.
 static float apart_along(const rsv_bvh_node *node, int axis, int k, float place)
@@ -95,7 +95,7 @@ static bool child_is_near(const rsv_bvh_node *node, int k, rsv_vec3 point, float
     return x * x + y * y + z * z <= radius * radius;
 }
 
-/// What a search of one hierarchy keeps.
+/// State of a search in one hierarchy.
 typedef struct near_search {
     const rsv_bvh_view *bvh;
     rsv_vec3 point;

@@ -5,7 +5,7 @@
 #include "../core/vec.h"
 #include "resolvent/trace.h"
 
-/// Puts a ray into a lane; what the packet knows of hits stays as it is.
+/// Sets the ray of a lane; hits stay as they are.
 RSV_INLINE void rsv_packet_set_ray(rsv_ray_packet *packet, uint32_t lane, rsv_ray ray)
 {
     packet->origin_x[lane] = ray.origin.x;
@@ -25,7 +25,7 @@ RSV_INLINE bool rsv_packet_meets_back(const rsv_ray_packet *p, uint32_t lane)
            0;
 }
 
-/// What a traced ray met.
+/// The hit of a traced ray.
 RSV_INLINE rsv_hit rsv_packet_hit(const rsv_ray_packet *p, uint32_t lane)
 {
     rsv_hit hit = { p->triangle[lane], p->t_max[lane], p->u[lane], p->v[lane] };

@@ -1,5 +1,5 @@
-/// What the rays of a packet see where faces lie in the same place (twins.h): lanes that met one triangle are settled
-/// together, as most packets meet few.
+/// Duplicate faces (twins.h) for the rays of a packet. Lanes that hit the same triangle are processed together, because
+/// most packets hit few triangles.
 #ifndef RSV_PACKET_SETTLE_H
 #define RSV_PACKET_SETTLE_H
 
@@ -40,7 +40,7 @@ typedef struct rsv_twin_rival {
     rsv_twin_limits limits;
 } rsv_twin_rival;
 
-/// A triangle that lanes met, and what may be seen well inside it.
+/// A triangle that lanes hit, and the face seen well inside it.
 typedef struct rsv_twin_group {
     uint32_t met, rank[2];
     rsv_twin_plane plane;

@@ -48,7 +48,7 @@ RSV_INLINE void rsv_ray_go_on(const rsv_scene_view *scene, const rsv_hit *hit, r
 /// Surfaces that light passes at most: more than any stack of leaves.
 #define RSV_MOST_VEILS 1024
 
-/// What passes a ray that meets something, surface by surface.
+/// Straight transmittance of a ray, surface by surface.
 RSV_INLINE float rsv_pass_blended(
     const rsv_tracer *tracer, const rsv_scene_view *scene, rsv_ray ray)
 {

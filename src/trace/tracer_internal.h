@@ -1,4 +1,4 @@
-/// What all tracers begin with, Embree's (embree_internal.h) and the one without Embree (own_internal.h).
+/// Common first part of all tracers: with Embree (embree_internal.h) and without (own_internal.h).
 #ifndef RSV_TRACER_INTERNAL_H
 #define RSV_TRACER_INTERNAL_H
 
@@ -7,7 +7,7 @@
 
 #include <pthread.h>
 
-/// A hierarchy of all triangles, for devices; empty until one asks.
+/// A hierarchy of all triangles for devices; built on demand.
 typedef struct rsv_device_hierarchy {
     pthread_mutex_t lock;
     rsv_bvh bvh;
@@ -22,11 +22,11 @@ typedef struct rsv_tracer_head {
 } rsv_tracer_head;
 
 /// @param scene committed
-/// @param head zeroed; to be ended, even after an error
+/// @param head zeroed; end it even after an error
 rsv_status rsv_tracer_head_begin(const rsv_scene *scene, rsv_tracer_head *head);
 void rsv_tracer_head_end(rsv_tracer_head *head);
 
-/// Asks the scene, at first and whenever it has moved, whether faces of it lie in the same place.
+/// Finds out whether the scene has duplicate faces. Call it at first and whenever the scene has moved.
 void rsv_tracer_head_find_twins(rsv_tracer_head *head);
 
 static inline const rsv_tracer_head *rsv_tracer_head_of(const rsv_tracer *tracer)

@@ -4,8 +4,8 @@
 
 #include "resolvent/trace.h"
 
-/// Sets the triangles of some materials apart from the rest, so that they alone are to be built again when they move. The
-/// first call counts. Nobody else may use the tracer meanwhile. @param moves [material_count]
+/// Sets the triangles of some materials apart, so that only these are rebuilt when they move. Only the first call has
+/// an effect. The tracer must not be in use. @param moves [material_count]
 rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves);
 
 /// The same for single triangles, on top of those that are set apart already.
@@ -15,7 +15,7 @@ rsv_status rsv_tracer_set_triangles_apart(rsv_tracer *tracer, const uint8_t *mov
 /// Whether that was done.
 bool rsv_tracer_is_apart(const rsv_tracer *tracer);
 
-/// Takes over the places of the triangles that were set apart. Nobody else may use the tracer meanwhile.
+/// Updates the positions of the triangles that were set apart. The tracer must not be in use.
 rsv_status rsv_tracer_update(rsv_tracer *tracer);
 
 #endif

@@ -10,7 +10,7 @@
 
 typedef struct divider {
     const rsv_elements_before *before;
-    rsv_transport_scene scene; ///< with what is known
+    rsv_transport_scene scene; ///< with known results
     rsv_light_shafts shafts;   ///< nothing but the change
     rsv_level_before known;
     rsv_known_cells answers;
@@ -62,7 +62,7 @@ static void mark_contacts(void *data, rsv_span span)
     atomic_fetch_add(&job->count, count);
 }
 
-/// Marks cells to be split, if there is room for them. @return how many
+/// Marks cells to split, if there is memory for them. @return number of cells
 static size_t mark_cells(const divider *v, const rsv_elements *e, uint8_t *split)
 {
     split_job job = { .before = v->before, .elements = e, .split = split };
@@ -73,7 +73,7 @@ static size_t mark_cells(const divider *v, const rsv_elements *e, uint8_t *split
     return 0;
 }
 
-/// Splits cells until none asks for it. Those that were there before were judged when things moved.
+/// Splits cells until none needs it. Cells that existed before were checked after the motion.
 static rsv_status split_cells(const divider *v)
 {
     const rsv_elements *coarser = v->before->start, *judged = v->before->elements;
@@ -101,7 +101,7 @@ cleanup:
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
-/// A number for the place of a node that was not there from the start, whatever way led there.
+/// A number for the position of a node that did not exist originally, independent of the way that led there.
 static uint32_t draw_at(const rsv_elements *e, uint32_t node)
 {
     uint32_t support = e->support[e->support_begin[node]];
@@ -116,7 +116,7 @@ static bool has_support(const rsv_elements *e, uint32_t node)
     return e->support_begin[node] < e->support_begin[node + 1];
 }
 
-/// What stands in the table of nodes for those that follow, hang or have no cells: nothing.
+/// Nodes that follow, hang or have no cells are not in the table.
 static bool is_free(const rsv_elements *e, uint32_t node)
 {
     return e->node_hanging[node] == RSV_NONE && has_support(e, node);
@@ -147,7 +147,7 @@ static void match_nodes(void *data, rsv_span span)
     }
 }
 
-/// Nodes that receive what they did, and the numbers by which points are drawn.
+/// Nodes that receive the same light as before, and the numbers by which points are drawn.
 static rsv_status find_nodes(const divider *v, uint8_t *known)
 {
     rsv_elements *e = v->d->elements;
@@ -168,7 +168,7 @@ static rsv_status allocate(rsv_divided_elements *d, size_t nodes_before)
     return d->valid_points && d->node_before && d->node_now ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// What rays that ended at nodes of before would end at now: where all cells that lead to a node lead to one and the same.
+/// New ends of rays that ended at the old nodes: known if all cells that lead to a node lead to the same new one.
 static rsv_status find_ends(const divider *v)
 {
     const rsv_elements *then = v->before->elements, *e = v->d->elements;

@@ -22,7 +22,7 @@ void rsv_elements_cell_keys(const rsv_elements *elements, uint64_t *key);
 /// @param cell_key [cell_count] @param key [node_count], out
 void rsv_elements_node_keys(const rsv_elements *elements, const uint64_t *cell_key, uint64_t *key);
 
-/// Keys of all nodes. @param key out: [node_count], to be freed
+/// Keys of all nodes. @param key out: [node_count], freed by the caller
 rsv_status rsv_node_keys_create(const rsv_elements *elements, uint64_t **key);
 
 #endif

@@ -76,7 +76,7 @@ static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
     rsv_status status;
     size_t count = p->header->triangle_count;
     uint32_t object = RSV_NONE; // of the new triangle just before
-    bool gone = false;          // likewise
+    bool gone = false;          // whether the triangle just before was removed
     rsv_material_key *keys = NULL;
     uint8_t *stays = rsv_alloc(p->context, count, 1);
     RSV_TRY(stays ? RSV_OK : RSV_ERROR_MEMORY);
@@ -113,7 +113,7 @@ cleanup:
     return status;
 }
 
-/// Looks at the blob, and finds what the edit changed. @param sound out: whether it can be used
+/// Opens the blob, and finds what the edit changed. @param sound out: whether it can be used
 static rsv_status open_blob(rsv_history *p, const rsv_transport_scene *scene,
     const rsv_lights *lights, uint64_t settings, bool *sound)
 {

@@ -1,4 +1,4 @@
-/// Which cells there were, and what of each is known: grids and splits as elements have them (elements.h).
+/// The earlier cells, and the known results of each: grids and splits as in elements.h.
 #include "history_internal.h"
 
 #include "../core/index_map.h"

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/// Takes a table's place in memory. @return what lies behind it
+/// Finds a table in memory. @return the position behind it
 static uint8_t *place_table(
     rsv_history_table *table, uint64_t slots, size_t value_bytes, uint8_t *memory)
 {
@@ -74,7 +74,7 @@ static uint64_t add_environment(uint64_t key, const rsv_environment *e)
     return rsv_key_add_bytes(key, e->pixels, (size_t)e->width * e->height * sizeof *e->pixels);
 }
 
-/// How a luminaire hangs, and what it sends where.
+/// Orientation and emission of a luminaire.
 static uint64_t add_luminaire(
     uint64_t key, const rsv_scene_view *scene, const rsv_punctual_light *light)
 {

@@ -1,4 +1,4 @@
-/// The blob of what a solve knew (history.h): a header and arrays behind it.
+/// The blob of a history (history.h): a header followed by arrays.
 #ifndef RSV_HISTORY_FILE_H
 #define RSV_HISTORY_FILE_H
 
@@ -80,7 +80,7 @@ uint64_t rsv_history_checksum(const rsv_history_header *header, size_t bytes);
 /// "<settings>.history"
 void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES]);
 
-/// Of all sources; RSV_HISTORY_NO_LIGHTS where textures decide what they give.
+/// Key of all sources; RSV_HISTORY_NO_LIGHTS if textures affect their emission.
 uint64_t rsv_history_lights_key(const rsv_lights *lights);
 void rsv_history_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high);

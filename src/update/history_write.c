@@ -1,4 +1,4 @@
-/// Writes down what a solve knows.
+/// Writes the results of a solve.
 #include "history_file.h"
 
 #include "../core/key.h"
@@ -10,7 +10,7 @@
 #include <errno.h>
 #include <string.h>
 
-/// Slots for so many keys, a third of them free at least.
+/// Number of slots for a number of keys, with at least a third free.
 static uint64_t slots_for(size_t count)
 {
     uint64_t slots = 16;
@@ -19,7 +19,7 @@ static uint64_t slots_for(size_t count)
     return slots;
 }
 
-/// @return its value, to be filled
+/// @return its value, for the caller to fill
 static uint8_t *put(rsv_history_table *table, uint64_t key)
 {
     size_t at = rsv_history_slot(table, key);

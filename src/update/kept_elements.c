@@ -45,7 +45,7 @@ rsv_status rsv_kept_splits(const rsv_history *history, const rsv_transport_scene
     return status;
 }
 
-/// Gives fresh nodes numbers that none of the kept ones has: the same points twice would err alike.
+/// Gives new nodes numbers that no reused node has, because the same points twice would have the same errors.
 static rsv_status draw_fresh_apart(rsv_elements *e, const uint8_t *known)
 {
     uint32_t next = (uint32_t)e->node_count;

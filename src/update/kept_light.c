@@ -22,7 +22,7 @@ static rsv_status widen(rsv_kept_light *r)
     return RSV_OK;
 }
 
-/// Light on what moved is another in any case.
+/// Light on moved objects has always changed.
 static void mark_moved(const rsv_kept_light *r)
 {
     const rsv_elements *e = r->coarse;
@@ -114,14 +114,14 @@ static bool is_node_light_changed(const rsv_kept_light *r, const rsv_elements *e
     return false;
 }
 
-/// Points of the fine level, told by the many more of the coarse one where these agree.
+/// Points of the fine level, from the larger number on the coarse one if these agree.
 static bool few_points_of(uint32_t valid, uint32_t points, uint16_t *few)
 {
     *few = (uint16_t)(valid ? (1u << points) - 1 : 0);
     return valid == 0 || valid == (1u << RSV_SUPPORT_POINTS) - 1;
 }
 
-/// What was known of a node, if that still holds. @param valid out: receiver points that are not buried
+/// Known light of a node, if it is still valid. @param valid out: receiver points that are not buried
 static const rsv_history_light *find_light(const rsv_kept_light *r, const rsv_elements *e,
     uint32_t n, uint64_t key, uint32_t points, uint16_t *valid)
 {
@@ -138,7 +138,7 @@ typedef struct node_job {
     const rsv_kept_light *light;
     const rsv_elements *elements;
     const rsv_kept_light_fields *fields;
-    const uint64_t *key;        ///< [node_count], where the history tells
+    const uint64_t *key;        ///< [node_count], if the history knows them
     bool count_all;             ///< lit nodes too
     atomic_uint_least64_t kept; ///< nodes of which it is known
 } node_job;

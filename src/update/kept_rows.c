@@ -40,7 +40,7 @@ static size_t count_known(
     return known;
 }
 
-/// The catalogue in a store that knows most rows, as far as it was searched.
+/// The catalogue in a store with the most known rows, among those searched.
 typedef struct best_catalogue {
     rsv_store *store;
     const rsv_row_catalogue *now;
@@ -71,7 +71,7 @@ static rsv_status look_at(void *user, const char *name)
     return status;
 }
 
-/// Finds nodes again, and lets go of those around which a cell is not what it was: another node may get a ray's end there.
+/// Matches nodes, and drops those with a changed cell around them, because another node may get a ray's end there.
 static rsv_status match_ends(const rsv_row_catalogue *then, const rsv_row_catalogue *now,
     const rsv_index_map *nodes, uint32_t *end_now)
 {

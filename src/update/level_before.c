@@ -28,7 +28,7 @@ static bool grid_level(const void *user, const rsv_elements *e, uint32_t face, u
 static bool is_split(const void *user, const rsv_elements *e, uint32_t cell, bool *split)
 {
     (void)user, (void)e, (void)cell, (void)split;
-    return false; // likewise
+    return false; // the same for their splits
 }
 
 typedef struct undivided_job {

@@ -1,5 +1,5 @@
-/// A level of direct light as it was before something moved, in memory: what elements of a new one need not find out, and light
-/// that is the same. Both levels start from the same coarse elements, so that their cells are known again by their places.
+/// A level of direct light before a motion, in memory: results that a new level can reuse. Both levels start from the
+/// same coarse elements, so cells are recognised by position.
 #ifndef RSV_LEVEL_BEFORE_H
 #define RSV_LEVEL_BEFORE_H
 
@@ -16,14 +16,14 @@ typedef struct rsv_level_before {
     const uint8_t *moved; ///< [triangle_count] 1 = it moved
 } rsv_level_before;
 
-/// What elements ask of it. @param before must stay where it is
+/// Answers for elements. @param before must not move
 rsv_known_cells rsv_level_before_answers(const rsv_level_before *before);
 
 /// Whether a cell was split.
 bool rsv_level_before_was_split(
     const rsv_level_before *before, const rsv_elements *elements, uint32_t cell);
 
-/// The free node that was the same, if nothing has moved beside it; RSV_NONE = there is none.
+/// The same free node before, if nothing has moved next to it; otherwise RSV_NONE.
 uint32_t rsv_level_before_find(
     const rsv_level_before *before, const rsv_elements *elements, uint32_t node);
 

@@ -126,8 +126,8 @@ static void narrow(interval a, interval b, interval place, interval *part)
     }
 }
 
-/// Whether any line from a place in `a` to one in `b` may meet the rsv_box between low and high: whether that meets the hull
-/// of both, which is what boxes sweep that go from one to the other.
+/// Whether any line from a point in `a` to one in `b` may meet the box between low and high: whether that box meets the
+/// hull of both, which is the union of all boxes between one and the other.
 static bool shaft_meets(const rsv_box *a, const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
 {
     interval part = { 0, 1 };

@@ -1,5 +1,5 @@
-/// Where the light of sources may be another after something moved: where a straight line from a cell to a source meets a
-/// box around it.
+/// Where the light of sources may be another after something moved: where a straight line from a cell to a source meets
+/// a box around it.
 #ifndef RSV_LIGHT_SHAFTS_H
 #define RSV_LIGHT_SHAFTS_H
 
@@ -7,7 +7,7 @@
 #include "../sources/lights.h"
 #include "scene_change.h"
 
-/// Sources that are told apart; direct light of scenes with more is found anew wherever one has changed.
+/// Number of sources that are distinguished. With more, all direct light is computed again if any of them has changed.
 #define RSV_HISTORY_SOURCES 64
 
 /// Metres.
@@ -17,23 +17,23 @@ typedef struct rsv_box {
 
 rsv_box rsv_box_grow(rsv_box box, float by);
 rsv_box rsv_box_of_cell(const rsv_elements *elements, uint32_t cell);
-/// A cell with all that is asked of its surroundings.
+/// A cell with all surroundings that affect it.
 rsv_box rsv_reach_of_cell(const rsv_elements *elements, uint32_t cell);
 /// Whether a box meets any of those around a change.
 bool rsv_box_meets(const rsv_box *box, const rsv_scene_change *change);
-/// Whether a change may reach what a cell, or any cell whose light a node receives, is asked for.
+/// Whether a change may affect a cell, or any cell whose light a node receives.
 bool rsv_cell_is_beside(
     const rsv_elements *elements, uint32_t cell, const rsv_scene_change *change);
 bool rsv_node_is_beside(
     const rsv_elements *elements, uint32_t node, const rsv_scene_change *change);
 
 typedef struct rsv_light_shafts {
-    const rsv_scene_change *change; ///< what moved
+    const rsv_scene_change *change; ///< moved objects
     rsv_box source[RSV_HISTORY_SOURCES];
     uint32_t source_count;
     rsv_vec3 sun[RSV_MAX_SUNS + RSV_HISTORY_SOURCES]; ///< unit, towards distant sources
     uint32_t sun_count;
-    bool all_light_changed; ///< sources are not what they were
+    bool all_light_changed; ///< sources have changed
     bool sky;               ///< light comes from everywhere above
 } rsv_light_shafts;
 
@@ -44,7 +44,7 @@ void rsv_light_shafts_find_sources(rsv_light_shafts *shafts, const rsv_lights *l
 bool rsv_light_shafts_meet(
     const rsv_light_shafts *shafts, const rsv_elements *elements, uint32_t cell);
 
-/// The cells for which that holds. @param light_changed out: [cell_count], to be freed
+/// Cells whose light may have changed. @param light_changed out: [cell_count], freed by the caller
 rsv_status rsv_light_shafts_find_changed(
     const rsv_light_shafts *shafts, const rsv_elements *elements, uint8_t **light_changed);
 

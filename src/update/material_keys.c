@@ -39,7 +39,7 @@ static uint64_t add_reference(uint64_t key, const rsv_scene_view *scene, const r
     return add_texture(key, &scene->texture[ref->texture]);
 }
 
-/// What of a material is the same all over; of textures their means.
+/// Key of the uniform properties of a material, and of the means of its textures.
 static uint64_t key_of_mean(const rsv_material *m, const rsv_bsdf *b)
 {
     uint64_t key = rsv_key_add(1, b->double_sided);
@@ -82,7 +82,7 @@ static rsv_material_key key_of_normal_map(const rsv_scene_view *scene, uint32_t 
 
 typedef struct material_job {
     const rsv_scene_view *view;
-    const rsv_transport_scene *scene; ///< NULL = normal maps alone
+    const rsv_transport_scene *scene; ///< NULL = only normal maps
     rsv_material_key *key;            ///< [material_count]
 } material_job;
 

@@ -12,10 +12,10 @@ typedef struct follow_job {
     uint8_t *near;                  ///< [cell_count]
     uint16_t *valid_points;         ///< [node_count]
     uint8_t *anew;                  ///< [node_count]
-    atomic_uint_least32_t contacts; ///< what changed at them
+    atomic_uint_least32_t contacts; ///< changes at contacts
 } follow_job;
 
-/// Cells that something came or went beside, and those that moved.
+/// Cells near something that moved, and cells that moved themselves.
 static void find_near(void *data, rsv_span span)
 {
     const follow_job *job = data;
@@ -26,7 +26,7 @@ static void find_near(void *data, rsv_span span)
             m->moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, m->change);
 }
 
-/// What changed at contacts, as in rsv_elements_motion.
+/// Changes at contacts, as in rsv_elements_motion.
 static uint8_t compare_contacts(uint8_t then, uint8_t now)
 {
     const uint8_t contact = RSV_CELL_CUT | RSV_CELL_CUT_THROUGH | RSV_CELL_SHELTERED;
@@ -75,7 +75,8 @@ static node_change change_of(
     return change;
 }
 
-/// Where bodies of glass are, what lies in one may have another medium around it now: all beside something is found anew.
+/// In scenes with glass bodies, points inside one may be in another medium now, so all points near a motion are checked
+/// again.
 static void judge_points(void *data, rsv_span span)
 {
     const follow_job *job = data;

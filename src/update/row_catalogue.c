@@ -17,7 +17,7 @@ static size_t bytes_of(const rsv_row_catalogue_header *h)
            h->cell_count * sizeof(uint32_t[3]) + h->node_count;
 }
 
-/// Room for all that a header speaks of.
+/// Allocates the arrays described by a header.
 static rsv_status create_empty(
     rsv_context *context, const rsv_row_catalogue_header *header, rsv_row_catalogue **catalogue)
 {

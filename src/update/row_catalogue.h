@@ -1,4 +1,4 @@
-/// What rows in a store were traced on, in keys: enough to know their nodes again on the elements of an edited scene.
+/// Keys of the elements of stored rows, by which their nodes are recognised on the elements of an edited scene.
 #ifndef RSV_ROW_CATALOGUE_H
 #define RSV_ROW_CATALOGUE_H
 
@@ -6,12 +6,12 @@
 #include "../specular/specular_walk.h"
 #include "store.h"
 
-/// What rows are traced on; borrowed.
+/// Input of tracing rows; borrowed.
 typedef struct rsv_row_basis {
     const rsv_transport_scene *scene;
     const rsv_elements *elements;
     const uint16_t *valid_points; ///< [node_count] from rsv_find_buried
-    const uint8_t *side_kind; ///< [2 * triangle_count] what each side of each triangle is to rays
+    const uint8_t *side_kind; ///< [2 * triangle_count] how rays treat each side of each triangle
     uint32_t ray_count, seed;
 } rsv_row_basis;
 
@@ -27,7 +27,7 @@ typedef struct rsv_row_catalogue {
     rsv_context *context;
     rsv_row_catalogue_header *header;
     uint64_t *node_key;       ///< [node_count]
-    uint64_t *cell_key;       ///< [cell_count] of the cell and what it is to rays
+    uint64_t *cell_key;       ///< [cell_count] of the cell and how rays treat it
     uint64_t *triangle_key;   ///< [triangle_count] rsv_scene_change_keys
     uint32_t (*cell_node)[3]; ///< [cell_count]
     uint8_t *has_row;         ///< [node_count]

@@ -4,14 +4,14 @@
 
 #include <string.h>
 
-/// A record of a blob, and whether it is what its writer wrote.
+/// A record of a blob, and whether it is intact.
 typedef struct listed_record {
     size_t at, bytes;
     uint32_t node;
     bool sound;
 } listed_record;
 
-/// Hops from head to head. @param list out, to be freed
+/// Goes from header to header. @param list out, freed by the caller
 static rsv_status list_records(
     const rsv_row_reader *r, const rsv_blob *blob, listed_record **list, size_t *count)
 {
@@ -78,7 +78,7 @@ static rsv_status hold(rsv_row_reader *r, const char *name, size_t part, rsv_blo
     return status;
 }
 
-/// What is looked for among the names of a store.
+/// A search among the names of a store.
 typedef struct search {
     rsv_row_reader *reader;
     const char *key, *own;

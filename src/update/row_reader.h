@@ -17,12 +17,12 @@ typedef struct rsv_row_reader {
     size_t blob_count, capacity;
 } rsv_row_reader;
 
-/// Notes what the blobs KEY-*.rows hold; records cut off by the end of their writer are dropped.
-/// @param reader its other fields say where, and of how many rows
-/// @param own name of one of them @param own_bytes out: of the sound records that it has
+/// Lists the records in the blobs KEY-*.rows. Records that were cut off when their writer ended are dropped.
+/// @param reader its other fields give the place and the number of rows
+/// @param own name of one of them @param own_bytes out: size of its valid records
 rsv_status rsv_row_reader_open(
     rsv_row_reader *reader, const char *key, const char *own, size_t *own_bytes);
-/// @return the node's record, or NULL: there is none, or somebody else has written over it since the reader was opened
+/// @return the node's record; NULL if there is none, or another process has overwritten it since the reader was opened
 const uint8_t *rsv_row_reader_find(const rsv_row_reader *reader, uint32_t node);
 void rsv_row_reader_close(rsv_row_reader *reader);
 

@@ -45,7 +45,7 @@ static void fill(uint8_t *bytes, const rsv_row_record_head *r, const rsv_row_scr
     rsv_row_record_layout l = rsv_row_record_layout_of(r);
     uint32_t *column = (uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]);
     uint8_t *kind = bytes + l.begin[RSV_ROW_KIND];
-    memset(bytes + l.begin[RSV_ROW_PARTS] - 8, 0, 8); // what the last part leaves of it
+    memset(bytes + l.begin[RSV_ROW_PARTS] - 8, 0, 8); // padding after the last part
     memcpy(bytes, r, sizeof *r);
     for (uint32_t ray = 0; ray < r->ray_count; ray++) {
         bool ends = s->column[ray] != RSV_NONE;

@@ -1,4 +1,4 @@
-/// Rows of G as bytes: what tracing found, so that it need not be traced again.
+/// Rows of G in serialised form, so that they need not be traced again.
 #ifndef RSV_ROW_RECORD_H
 #define RSV_ROW_RECORD_H
 
@@ -8,10 +8,10 @@
 
 struct rsv_row_track; // operator/row_track.h
 
-/// What the rays of one row found.
+/// Results of the rays of one row.
 typedef struct rsv_row_scratch {
     uint32_t *column; ///< [rays] RSV_NONE = nothing
-    uint8_t *kind;    ///< [rays] of what was met first, below RSV_ROW_RAY_ENDS
+    uint8_t *kind;    ///< [rays] kind of the first hit, below RSV_ROW_RAY_ENDS
     uint8_t *copies;  ///< [rays] how often an end counts, if `whole`
     bool whole;       ///< a colourless coat takes and gives whole ends
     uint32_t index;   ///< of the node whose random numbers were used
@@ -25,12 +25,12 @@ typedef struct rsv_row_scratch {
     uint64_t rays;    ///< of all rows so far
     uint64_t kept;    ///< rays of all rows so far that rsv_row_retrace did not trace again
     size_t kept_rows; ///< rows so far of which it traced none
-    struct rsv_row_track *track; ///< what is noted of each ray; NULL = no more than that
+    struct rsv_row_track *track; ///< additional data of each ray; NULL = none
 } rsv_row_scratch;
 
 #define RSV_ROW_RAY_ENDS 0x80 ///< with the kind: the ray ended at a node
 
-/// What the same rays found before the scene was edited.
+/// Results of the same rays before the edit.
 typedef struct rsv_kept_row {
     uint32_t index;                 ///< of the node whose random numbers were used
     uint16_t valid;                 ///< points that were used
@@ -38,8 +38,8 @@ typedef struct rsv_kept_row {
     const uint32_t *column;         ///< nodes of then at which rays ended, in their order
     const uint32_t *end_now;        ///< the same nodes now; RSV_NONE = gone
     const rsv_vec3 (*end_box)[2];   ///< low and high of the cells around the nodes now
-    const rsv_scene_change *added;  ///< boxes around what is new
-    const rsv_scene_change *change; ///< those, and of what is gone where that is known
+    const rsv_scene_change *added;  ///< boxes around new objects
+    const rsv_scene_change *change; ///< these, and boxes around removed objects if known
 } rsv_kept_row;
 
 /// Records on their way to where they are kept.
@@ -64,7 +64,7 @@ bool rsv_row_record_is_sound(const uint8_t *bytes, size_t count, size_t node_cou
 /// Fills `scratch` as tracing the row did. @param record one that was checked
 void rsv_row_record_take(const uint8_t *record, uint32_t ray_count, rsv_row_scratch *scratch);
 
-/// What each of its rays found, to retrace it. @param record one that was checked
+/// Results of each of its rays. @param record a checked one
 rsv_kept_row rsv_row_record_kept(const uint8_t *record);
 
 #endif

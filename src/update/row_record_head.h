@@ -1,4 +1,4 @@
-/// How the bytes of a row record lie (row_record.h): a head, and what counts in it speak of.
+/// Layout of a row record (row_record.h): a head, followed by the arrays whose sizes it gives.
 #ifndef RSV_ROW_RECORD_HEAD_H
 #define RSV_ROW_RECORD_HEAD_H
 

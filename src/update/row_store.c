@@ -20,7 +20,7 @@ struct rsv_row_store {
     bool open;
     pthread_mutex_t writing; ///< held by the thread that appends
     int end;                 ///< of the blob that grows, where it is open
-    int error;               ///< errno of what could not be written; 0 = all was
+    int error;               ///< errno of a failed write; 0 = none
     size_t own_bytes;        ///< of sound records that it had
     char name[RSV_STORE_NAME_BYTES], catalogue_name[RSV_STORE_NAME_BYTES];
 };

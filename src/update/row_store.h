@@ -1,10 +1,9 @@
-/// Rows of G kept while they are traced, so that a run that is killed need not trace them again, nor one of the same scene
-/// after an edit all of them.
+/// Stores rows of G as they are traced, so that interrupted runs can continue, and runs after an edit can reuse them.
 ///
-/// A store belongs to one scene and one version of the program. In it, blobs are named after all else that rows depend
-/// on: elements, buried points, rays, seed. Every process of a team appends to a blob of its own and reads those of all,
-/// so that a run may go on with another number of them. A record cut off by the end of its writer is dropped. Once all
-/// rows are there, a catalogue says what they were traced on (row_catalogue.h).
+/// A store belongs to one scene and one version of the program. The names of its blobs encode everything else that rows
+/// depend on: elements, buried points, rays, seed. Every process of a team appends to its own blob and reads those of
+/// all, so a run may continue with another number of processes. A record that was cut off when its writer ended is
+/// dropped. Once all rows are there, a catalogue describes their elements (row_catalogue.h).
 #ifndef RSV_ROW_STORE_H
 #define RSV_ROW_STORE_H
 
@@ -20,7 +19,7 @@ void rsv_row_store_close(rsv_row_store *store);
 /// Fills `scratch` as tracing the row did, if it is known. @param store NULL = nothing is
 bool rsv_row_store_take(const rsv_row_store *store, uint32_t node, rsv_row_scratch *scratch);
 
-/// What the rays of the row found before the scene was edited, if that is known.
+/// Results of the row's rays before the edit, if known.
 bool rsv_row_store_find_kept(const rsv_row_store *store, uint32_t node, rsv_kept_row *row);
 
 /// Adds a row just traced to a block. @param rays that it took

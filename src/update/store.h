@@ -1,5 +1,5 @@
-/// Where a solve keeps what the next one takes over: blobs of bytes by name. A folder is one kind of store, memory
-/// another; nobody else knows which one it is.
+/// Storage for results that the next solve can reuse: blobs of bytes by name, in a folder or in memory. Users do not
+/// know which.
 #ifndef RSV_STORE_H
 #define RSV_STORE_H
 
@@ -16,7 +16,7 @@ typedef struct rsv_blob {
     size_t count; ///< 0 = there are none
 } rsv_blob;
 
-/// What a kind of store can do. Functions that return an int return 0, or errno: why not.
+/// Functions of a kind of store. Those that return an int return 0 or an errno.
 typedef struct rsv_store_table {
     /// Names of all blobs, in ascending order, until `visit` fails.
     rsv_status (*list)(
@@ -24,11 +24,11 @@ typedef struct rsv_store_table {
     /// A blob that grew may lie in several parts, each of them bytes that were appended at once. @param part from 0 on
     rsv_status (*read)(rsv_store *store, const char *name, size_t part, rsv_blob *blob);
     void (*release)(rsv_store *store, rsv_blob *blob);
-    /// Writes a blob as a whole: whoever reads it has the old one or the new one, whatever happens.
+    /// Writes a blob atomically: readers get the old or the new contents.
     int (*write)(rsv_store *store, const char *name, const void *byte, size_t count);
     /// Begins to append to a blob, after its first `keep` bytes. @param end out: for append and close
     int (*open)(rsv_store *store, const char *name, size_t keep, int *end);
-    /// What is appended outlives the end of the process where the store does.
+    /// Appended data survives the end of the process if the store does.
     int (*append)(rsv_store *store, int end, const void *byte, size_t count);
     void (*close)(rsv_store *store, int end);
     size_t (*bytes)(const rsv_store *store); ///< of memory that all blobs take

@@ -1,4 +1,4 @@
-/// Files of a folder, mapped into memory to be read.
+/// Files in a folder, mapped into memory for reading.
 #include "store.h"
 
 #include <dirent.h>
@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #define PATH_BYTES 4096
-/// Of what is added to the name of the folder: that of a file, and of one beside it.
+/// Maximum length added to the name of the folder: the name of a file, and of a temporary file next to it.
 #define MOST_ADDED_BYTES (RSV_STORE_NAME_BYTES + 32)
 
 typedef struct folder_store {
@@ -90,12 +90,12 @@ static void unmap(rsv_store *s, rsv_blob *blob)
 
 // ---- writing --------------------------------------------------------------------------------------
 
-/// Writes a file beside its place, out to the disk, and moves it there.
+/// Writes a temporary file, flushes it to disk, and renames it.
 static int write_file(rsv_store *s, const char *name, const void *byte, size_t count)
 {
     char path[PATH_BYTES], beside[PATH_BYTES];
     path_of(s, name, path);
-    // of this run alone: another one of the same scene has its own
+    // the name is unique to this process: another run of the same scene has its own
     if (snprintf(beside, sizeof beside, "%s.%ld.part", path, (long)getpid()) >= (int)sizeof beside)
         return ENAMETOOLONG;
     FILE *file = fopen(beside, "wb");

@@ -36,7 +36,8 @@ static void drop_parts(rsv_context *context, memory_blob *blob, size_t keep)
     blob->part_count = count;
 }
 
-/// @return a new one behind the others, whose places stay what they are; NULL if there is no memory
+/// @return a new one after the others, which do not move; NULL if out of memory
+
 static memory_blob *create(rsv_store *s, const char *name)
 {
     memory_store *m = of(s);

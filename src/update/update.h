@@ -1,10 +1,10 @@
-/// What a solve takes over from the one before an edit of the scene, and leaves to the next one.
+/// Reuse of results from a solve before an edit of the scene, and storage for the next one.
 ///
-/// - history.h: what that solve knew of elements and their light; it tells elements what they need not find out
-///   (known_cells.h of elements), and kept_elements.h and kept_light.h take over splits, receiver points and direct light;
-/// - store.h: where all of that is kept, in a folder or in memory;
-/// - row_store.h: rows of G, kept while they are traced and taken over ray by ray;
-/// - scene_change.h: where the two versions of the scene differ; element_keys.h: what is the same in both.
+/// - history.h: the elements of that solve and their light; it answers elements (known_cells.h), and kept_elements.h and
+///   kept_light.h reuse splits, receiver points and direct light;
+/// - store.h: storage for all of this, in a folder or in memory;
+/// - row_store.h: rows of G, stored as they are traced and reused ray by ray;
+/// - scene_change.h: the differences between the two versions of the scene; element_keys.h: what they have in common.
 #ifndef RSV_UPDATE_H
 #define RSV_UPDATE_H
 
@@ -13,9 +13,9 @@
 
 /// All of it is borrowed.
 typedef struct rsv_update {
-    rsv_store *store;           ///< keeps rows while they are traced; NULL = nobody does
+    rsv_store *store;           ///< stores rows as they are traced; NULL = none
     rsv_store *earlier;         ///< that of an earlier version of the scene; NULL = none
-    const rsv_history *history; ///< what the solve of that knew; NULL = nothing
+    const rsv_history *history; ///< results of that solve; NULL = none
     const rsv_level_before *before; ///< direct light before something moved; NULL = not known
 } rsv_update;
 

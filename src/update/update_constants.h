@@ -1,18 +1,19 @@
-/// What the room tunes by: chosen, not measured. What other rooms read too stands in scene_change.h.
+/// Tuning constants of the room, which were chosen without measurements. Those that other rooms use are in
+/// scene_change.h.
 #ifndef RSV_UPDATE_CONSTANTS_H
 #define RSV_UPDATE_CONSTANTS_H
 
-// ---- What counts as unchanged (history.c, scene_change.c) --------------------------------------------
+// ---- What counts as unchanged (history.c, scene_change.c) -------------------------------------------
 
-/// An edit that changes the spacing of elements by less than this part leaves it as it was: a spacing of its own would keep
-/// no element, and so no row.
+/// An edit that changes the spacing of elements by less than this part leaves it as it was: a spacing of its own would
+/// keep no element, and so no row.
 #define LIKE_SPACING 0.1f
-/// Boxes of what has changed grow by this part of their coordinates, against rounding.
+/// Boxes of changes are enlarged by this fraction of their coordinates, against rounding.
 #define MARGIN 1e-5f
 
 // ---- How far an edit reaches (light_shafts.c) -------------------------------------------------------
 
-/// What cells ask their surroundings (elements_constants.h) reaches no farther than this part of their size ...
+/// The surroundings that affect a cell (elements_constants.h) extend at most this fraction of its size ...
 #define REACH_OF_SIZE 0.6f
 /// ... and this part of the spacing.
 #define REACH_OF_SPACING 0.25f

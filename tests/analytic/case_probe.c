@@ -18,9 +18,9 @@
 #define MAX_POINTS 512
 #define SAMPLES_PER_POINT 32
 
-/// Where points of light are seen in mirrors and glass: light paths shot, the radius over which a point's reading
-/// is averaged, and the size of the elements that it is stored on. Irradiance bends by 0.1 % over it, except behind
-/// a lens, where what averaging does is known (case_lens.h).
+/// Settings for points of light seen in mirrors and glass: the number of light paths, the radius over which a reading
+/// is averaged, and the size of the elements that it is stored on. Irradiance varies by 0.1 % over that radius, except
+/// behind a lens, where the effect of averaging is known (case_lens.h).
 #define PHOTONS (1u << 20)
 #define RECEIVER_RADIUS 0.1
 #define RECEIVER_RADIUS_BEHIND_LENS 0.07
@@ -43,7 +43,7 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
     rsv_status status =
         case_scene_build(bench->context, &bench->scene, created->variant, &created->scene);
     if (status != RSV_OK || bench->mode == RSV_PROBE_REFERENCE) return status;
-    // light that nothing reflects comes from the sources alone, however it is stored
+    // without reflection all light comes directly from the sources, however it is stored
     bool reflects = !created->variant.black && case_scene_reflects(&bench->scene);
     rsv_solve_desc desc = rsv_default_solve_desc(reflects ? RSV_QUALITY_MEDIUM : RSV_QUALITY_DRAFT);
     desc.seed = run_seed(bench, 0);
@@ -55,7 +55,7 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
     return rsv_light_create(created->scene, &desc, &created->solution);
 }
 
-/// The scene of a variant, solved when it is first wanted.
+/// The scene of a variant, solved when it is first needed.
 static rsv_status find_solution(
     case_bench *bench, case_variant variant, const case_solution **found)
 {
@@ -90,7 +90,7 @@ static rsv_status read_probes(const case_bench *bench, const case_solution *solu
         readings);
 }
 
-/// How many times as many samples bring the standard error down to what is wanted.
+/// Factor for the number of samples that brings the standard error down to the one wanted.
 static double wanted_factor(case_reading pilot)
 {
     double wanted = WANTED_RELATIVE_ERROR * fabs(pilot.value);
@@ -115,7 +115,7 @@ static rsv_status read_point(
     return status;
 }
 
-/// Irradiance averaged over a disk: of virtual receivers, or of what the plate that they lie on stores.
+/// Irradiance averaged over a disk: of virtual receivers, or as stored on the plate that they lie on.
 static rsv_status read_disk(
     case_bench *bench, rsv_probe center, double radius, case_reading *reading)
 {
@@ -261,7 +261,7 @@ static void add_camera(case_scene *scene, rsv_vec3 position, rsv_vec3 forward)
         .aspect = 1 };
 }
 
-/// What names this has no probe in the file: straight up, from below the interface.
+/// A quantity that has no probe in the file: straight up, from below the interface.
 static const char below_interface[] = "L_transmitted_normal";
 
 /// At a point or over a disk.
@@ -279,7 +279,7 @@ static double radius_of(const case_scene *scene, const cJSON *probe)
     return lens ? RECEIVER_RADIUS_BEHIND_LENS : RECEIVER_RADIUS;
 }
 
-/// Reads what mirrors and glass send; of a point behind a lens, what the disk that stands for it did not average away.
+/// Reads light from mirrors and glass. For a point behind a lens, corrects for the averaging over a disk.
 static rsv_status read_received(case_bench *bench, const cJSON *probe, case_reading *reading)
 {
     const case_surface *lens = &bench->scene.surface[0];
@@ -371,7 +371,7 @@ static rsv_status read_indirect(case_bench *bench, rsv_probe probe, case_reading
     return status;
 }
 
-/// B = M + rho H of a surface whose albedo and exitance are uniform, or of several alike but for M.
+/// B = M + rho H of a surface of uniform albedo and exitance, or of several surfaces that differ only in M.
 static rsv_status read_mean_radiosity(case_bench *bench, uint32_t surfaces, case_reading *reading)
 {
     const case_scene *scene = &bench->scene;
@@ -421,7 +421,7 @@ static uint32_t wall_group(const char *name)
     return strncmp(name, "ceiling", 7) == 0 ? 1u << 5 : 0xf;
 }
 
-/// Quantities that have no probe in the file but a name that says what they are.
+/// Quantities that have no probe in the file, but a name that defines them.
 static rsv_status read_by_name(
     case_bench *bench, const char *name, case_reading *reading, bool *known)
 {
@@ -445,7 +445,7 @@ static rsv_status read_by_name(
     return RSV_OK;
 }
 
-/// What the probe's reading is divided by: another quantity of the case, by its value in the file.
+/// The divisor of the probe's reading: the value that the file gives for another quantity of the case.
 static double divisor_of(const case_bench *bench, const cJSON *probe)
 {
     const char *name = text(probe, "divide_by");

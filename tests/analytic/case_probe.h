@@ -1,4 +1,4 @@
-/// Readings of a case: what its probes measure, through the library's probes and pictures.
+/// Readings of a case: the values at its probes, through the library's probes and pictures.
 #ifndef CASE_PROBE_H
 #define CASE_PROBE_H
 
@@ -20,7 +20,7 @@ typedef struct case_solution {
 /// Everything that the readings of one case share.
 typedef struct case_bench {
     rsv_context *context;
-    rsv_probe_mode mode; ///< lookup: only what mirrors and glass send to plates
+    rsv_probe_mode mode; ///< lookup: only light from mirrors and glass to plates
     uint32_t opinion;    ///< of solutions and probes with random numbers of their own
     case_scene scene;
     const cJSON *expected; ///< all quantities of the case: some are divided by others
@@ -40,7 +40,7 @@ void case_bench_announce(case_bench *bench, const cJSON *expected);
 rsv_status case_bench_read(
     case_bench *bench, const cJSON *expected, case_reading *reading, bool *known);
 
-/// Frees what the readings made.
+/// Frees all that the readings have allocated.
 void case_bench_close(case_bench *bench);
 
 #endif

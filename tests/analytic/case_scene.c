@@ -92,7 +92,7 @@ static void read_light(const cJSON *json, rsv_punctual_light *light)
     }
 }
 
-/// Of a glass sphere, which has smooth normals: facets are to be small beside what bends there.
+/// For a glass sphere, which has smooth normals: its facets must be small compared with its curvature.
 #define LENS_REFINEMENT 4
 
 const char *case_scene_read(const cJSON *json, case_scene *scene)
@@ -131,7 +131,7 @@ static rsv_material surface_material(const case_surface *surface, const case_zon
     material.double_sided = surface->two_sided;
     material.emission = rgb_gray((float)(zone->exitance / (double)RSV_PI));
     if (surface->bsdf == CASE_MIRROR) {
-        // no metal reflects alike at all angles, but a perfect one may have holes: nothing is behind these
+        // no metal reflects equally at all angles, but a perfect mirror may have holes: nothing is behind these
         material.base_color = rgb_gray(1);
         material.opacity = (float)zone->rho;
         material.metallic = 1;
@@ -171,7 +171,7 @@ static case_surface cropped(const case_scene *scene, const case_surface *surface
     return result;
 }
 
-/// Some cases are lights alone, and a scene needs a triangle: a black speck out of everybody's way.
+/// Some cases consist only of lights, but a scene needs a triangle: a black speck far from everything.
 static rsv_status add_speck(rsv_scene *scene)
 {
     case_surface speck = { .name = "speck",

@@ -8,8 +8,8 @@ enum { CASE_MAX_SURFACES = 16, CASE_MAX_LIGHTS = 4, CASE_MAX_ZONES = 4, CASE_MAX
 
 typedef enum case_shape { CASE_QUAD, CASE_DISK, CASE_SPHERE } case_shape;
 
-/// What a part of a surface is made of. Spheres have one per zone of the polar angle, others just
-/// one.
+/// Material of a part of a surface. Spheres have one part per zone of the polar angle, other surfaces
+/// just one.
 typedef struct case_zone {
     double cos_min, cos_max;
     double rho;      ///< albedo
@@ -24,7 +24,7 @@ typedef struct case_surface {
     double radius;
     bool inside;        ///< sphere: the inside is the active side
     double mesh_radius; ///< sphere: of the vertices of its mesh
-    int refinement;     ///< sphere: makes its facets so many times smaller
+    int refinement;     ///< sphere: factor by which its facets are smaller
     enum { CASE_DIFFUSE, CASE_MIRROR, CASE_DIELECTRIC } bsdf;
     double ior;
     bool two_sided;
@@ -34,7 +34,7 @@ typedef struct case_surface {
 
 /// Which of the listed sources and albedos a reading wants.
 typedef struct case_variant {
-    bool black;        ///< albedos 0: direct light alone
+    bool black;        ///< albedos 0: only direct light
     uint32_t emitters; ///< bit per surface that emits M = 1, nothing else does; 0 = as listed
     bool sky;          ///< the alternative sky in place of the lights
 } case_variant;
@@ -47,7 +47,7 @@ typedef struct case_scene {
     rsv_camera camera[CASE_MAX_CAMERAS]; ///< one per radiance probe
     int camera_count;
     case_sky sky;
-    bool sky_is_alternative; ///< there only in the variant that asks for it
+    bool sky_is_alternative; ///< present only in the variant that asks for it
     case_surface receiver;   ///< black, not under the alternative sky; no name = none
 } case_scene;
 

@@ -46,7 +46,7 @@ static double ring(double r, double start)
     (void)start;
     return 2 * PI * r;
 }
-/// Of a ring about a point at distance x from a straight edge, what lies beyond the edge.
+/// Part of a ring that lies beyond a straight edge at distance x from the ring's centre.
 static double ring_beyond(double r, double x) { return 2 * r * acos(fmin(x / r, 1)); }
 
 // ---- dipole -------------------------------------------------------------------------------------

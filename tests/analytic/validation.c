@@ -1,12 +1,12 @@
-/// Runs the cases of tests/validation/cases.json that this version can answer and compares.
+/// Runs those cases of tests/validation/cases.json that this version supports, and compares.
 ///
 ///     test_validation [--reference | --lookup] [CASE_ID_PREFIX]...
 ///
 /// A reading passes if it is within 0.5 % (behind lenses 1 %) of the expected value and within 3 of its own standard
-/// errors (pictures in mode operator report none), plus what single precision and, on curved
-/// surfaces, the tessellation may add. Readings know the noise of their probes but not that of the solution under
-/// them, and chance may go against one: a reading that fails is taken again from several solutions of other random
-/// numbers, and then their mean has to pass, with the error that their spread gives it.
+/// errors (pictures in mode operator report none), plus the errors of single precision and, on curved
+/// surfaces, of the tessellation. Readings include the noise of their probes but not that of the solution
+/// behind them, and a reading may be an outlier. One that fails is therefore repeated with several solutions from other
+/// random numbers. Their mean then has to pass, with the error that follows from their spread.
 #include "case_file.h"
 #include "case_probe.h"
 
@@ -16,7 +16,7 @@
 #include <string.h>
 
 #define RELATIVE_TOLERANCE 5e-3
-/// What cases.json recommends for light that a lens focuses.
+/// Tolerance that cases.json recommends for light focused by a lens.
 #define CAUSTIC_TOLERANCE 1e-2
 /// Two readings in 400 of a right solution lie beyond this many standard errors: Student's t for the 31 degrees of
 /// freedom of one reading, and for the 4 of several opinions.

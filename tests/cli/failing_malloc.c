@@ -1,5 +1,5 @@
-/// A malloc, to be loaded before the C library's, that fails once: the call of the number in RSV_FAIL. At the end it says
-/// how many calls there were, if RSV_FAIL is "count".
+/// A malloc, to be preloaded before the C library's, whose call number RSV_FAIL fails. If RSV_FAIL is "count", it
+/// prints the number of calls at the end instead.
 #define _GNU_SOURCE
 #include <errno.h>
 #include <malloc.h>

@@ -32,9 +32,9 @@ for height in 0 -1 x 1,nan 1,2,3; do
 done
 refuses 2 'requires --fog' render furnace "${picture[@]}" --mode reference --fog-height 1
 printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
-for fogless in "render furnace ${picture[*]} --mode occlusion" "render furnace -o $out/a.png --size 32x24 --error 10%"; do
-    refuses 1 'fog: .*leave it out' $fogless --fog 1
-done
+refuses 1 'fog: .*leave it out' render furnace "${picture[@]}" --mode occlusion --fog 1
+refuses 1 'error of light in fog .*--quality' render furnace -o "$out/a.png" --size 32x24 --error 10% --fog 1
+refuses 1 'lower the albedo of the fog' solve furnace -o "$out/a.safetensors" --quality draft --fog 1000
 for boundless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --mode operator" "certify furnace" \
     "probe furnace --points middle.csv -o $out/a.csv"; do
     refuses 1 'fog: .*mode reference' $boundless --fog 1 --fog-height 2

@@ -21,7 +21,7 @@ for file in desk-light.csv baked.glb baked-map.glb baked-map.lightmap.exr probes
 done
 # every example of all pages: its command and options exist
 docs=$(dirname "$page")
-mapfile -t examples < <(cat "$docs"/*.md "$docs/../README.md" |
+mapfile -t examples < <(cat "$docs"/*.md "$docs"/benchmarks/*.md "$docs/../README.md" |
     sed -n 's/"[^"]*"//g; s/ && /\n/g; s/^ *\(mpirun -n [0-9]* \)\{0,1\}\(resolvent [a-z]\)/\2/p' | grep '^resolvent ' | sort -u)
 ((${#examples[@]} > 30)) || complain "only ${#examples[@]} examples were found"
 for example in "${examples[@]}"; do

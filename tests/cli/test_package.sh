@@ -21,7 +21,7 @@ while read -r page; do
 done <"$work/pages"
 
 # and the pictures and samples that they link to
-dead=$(python3 "$source/tests/links.py" "$prefix"/share/doc/resolvent/{,docs/}*.md |
+dead=$(python3 "$source/tests/links.py" "$prefix"/share/doc/resolvent/{,docs/,docs/benchmarks/}*.md |
     grep -E 'figures/|samples/|examples/' || true)
 [[ -z $dead ]] || { echo "$dead" && false; }
 [[ -s $prefix/share/doc/resolvent/docs/figures/cornell-spheres.png ]]

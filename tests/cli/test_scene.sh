@@ -21,7 +21,7 @@ there_and_back() {
     diff named.txt read.txt >difference.txt || complain "$name: changes on its way through a file: $(head -n 4 difference.txt)"
 }
 
-for name in cornell-blocks cornell-spheres furnace two-rooms gallery:2 terraces:5000 cornell-marble; do
+for name in cornell-blocks cornell-spheres furnace two-rooms gallery:2 terraces:5000 cornell-marble milk; do
     there_and_back $name
 done
 for name in cornell-glass cornell-plaster cornell-showcase character; do

@@ -24,7 +24,7 @@ for command in render solve relight view probe daylight certify compare layers f
     says 'examples:'
     refuses 2 "resolvent $command --help" $command --no-such-option
 done
-for name in cornell-blocks cornell-spheres cornell-glass cornell-marble cornell-plaster cornell-showcase character furnace two-rooms gallery terraces; do
+for name in cornell-blocks cornell-spheres cornell-glass cornell-marble cornell-plaster cornell-showcase character furnace two-rooms gallery terraces fog-rooms milk; do
     succeeds scene --help
     says $name
 done

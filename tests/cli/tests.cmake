@@ -71,6 +71,15 @@ if(NOT RSV_SANITIZE)
     set_tests_properties(python_package PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
 endif()
 
+# the add-on for Godot 4: what Godot 3 can run of it, and all of it in Godot 4 for the web, which `./dev assets` fetches
+if(TARGET resolvent_program AND NOT RSV_SANITIZE)
+    add_test(NAME godot_scripts COMMAND bash ${PROJECT_SOURCE_DIR}/integrations/godot/tests/test_godot3.sh
+        $<TARGET_FILE:resolvent_program>)
+    add_test(NAME godot_addon COMMAND bash ${PROJECT_SOURCE_DIR}/integrations/godot/tests/test_godot4.sh
+        $<TARGET_FILE:resolvent_program>)
+    set_tests_properties(godot_scripts godot_addon PROPERTIES LABELS long SKIP_RETURN_CODE 77)
+endif()
+
 # the Blender add-on, in the real Blender; its tests lie with it, too
 if(TARGET resolvent_program AND NOT RSV_SANITIZE)
     foreach(kind quick all window cycles)

@@ -10,10 +10,10 @@
 
 #include "resolvent/solve.h"
 
-/// The room and what was left of it; lives as long as the program, as every file is tried on it.
+/// The room and the files left by its first solve. It lives as long as the program, as every input is tried on it.
 typedef struct kept_room {
     world *before, *after;
-    folder left, next; ///< what the first solve left; where the next one keeps its own
+    folder left, next; ///< files of the first solve; files of the next one
     uint8_t *file[3];  ///< as they were left
     size_t bytes[3];
     char name[3][64];
@@ -32,7 +32,7 @@ static world *build(float box_at)
     return w;
 }
 
-/// @param rays out: that were traced; NULL = nobody asks
+/// @param rays out: number of traced rays; NULL = not needed
 static rsv_status solve(const world *w, const char *rows, const char *earlier, uint64_t *rays)
 {
     rsv_light *solution = NULL;
@@ -98,7 +98,7 @@ static uint64_t count_rays(kept_room *room)
     return rays;
 }
 
-/// Each file spares rays as it was left: what is tried on readers of it is read.
+/// Each file saves rays when it is intact: this ensures that the readers under test do read it.
 static void check_use(kept_room *room, int kind)
 {
     uint64_t with = count_rays(room);

@@ -1,4 +1,4 @@
-/// Files that a solve keeps for the next one, as somebody else may have left them.
+/// Files that a solve keeps for the next one, damaged or forged.
 #ifndef RSV_FUZZ_KEPT_FILES_H
 #define RSV_FUZZ_KEPT_FILES_H
 
@@ -6,8 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Solves a small room after an edit, with one of the files that its past left changed to these bytes; rows also where
-/// the same solve would go on. Checksums are mended first, so that what lies behind them is reached.
+/// Solves a small room after an edit, with one of its kept files replaced by these bytes; with rows, the same solve is
+/// resumed, too. Checksums are corrected first, so that the code behind them is reached.
 /// @param extension .history .scene .rows
 void fuzz_kept_file(const char *extension, uint8_t *data, size_t size);
 

@@ -72,7 +72,7 @@ static void mend_checksum(char *bytes, size_t size)
     memcpy(place, digits, RSV_SHA256_DIGITS);
 }
 
-/// As a texture: what only textures are read from.
+/// Reads the file as a texture, for formats that only textures use.
 static void read_texture(const char *path)
 {
     rsv_context *context = NULL;
@@ -115,7 +115,7 @@ static void read_script(const char *path)
     cli_free_light_script(&script);
 }
 
-/// Whatever a file says, its skies are numbers.
+/// Whatever the file says, its skies must be finite.
 static void read_weather(const char *path)
 {
     rsv_context *context = NULL;
@@ -130,7 +130,7 @@ static void read_weather(const char *path)
     rsv_context_destroy(context);
 }
 
-/// Whatever a file says, its light is a number.
+/// Whatever the file says, its light must be finite.
 static void read_luminaire(const char *path)
 {
     rsv_context *context = NULL;

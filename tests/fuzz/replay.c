@@ -1,5 +1,5 @@
-/// Reads files that are or once were trouble: `fuzz_replay FILE...`. `fuzz_replay --kept FOLDER` writes what a solve keeps
-/// for the next one to FOLDER/history/room.history, and so on.
+/// Reads files that are or once were a problem: `fuzz_replay FILE...`. `fuzz_replay --kept FOLDER` writes the files
+/// that a solve keeps for the next one to FOLDER/history/room.history, and so on.
 #include "kept_files.h"
 #include "readers.h"
 

@@ -1,5 +1,5 @@
-/// The runtime's arithmetic: SIMD against its scalar twin bit by bit, and against answers known in closed form. Without a
-/// test framework, so that it also runs cross-compiled.
+/// The runtime's arithmetic: SIMD against its scalar twin bit by bit, and against answers known in closed form. Without
+/// a test framework, so that it also runs cross-compiled.
 #include "resolvent_rt.h"
 
 #include <stdio.h>
@@ -72,7 +72,7 @@ static void both_twins_relight_alike(void)
     free(value);
 }
 
-/// Whatever the turn, the two angles next to it share the light; whole turns change nothing.
+/// For any turn, the two neighbouring angles share the light; whole turns change nothing.
 static void a_turning_sky_goes_from_angle_to_angle(void)
 {
     const float color[3] = { 1, 2, 0.5f }, turn[] = { 0, 0.25f, 0.3125f, -0.0625f, 3.25f, 1e30f };

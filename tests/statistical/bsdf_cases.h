@@ -24,11 +24,11 @@ typedef struct bsdf_chart {
     float scale,
         stretch; ///< stretch: of brushed surfaces, along the tangent and the inverse across it
     float side;  ///< +1, -1: only directions above or below the surface count
-    bool half_vectors; ///< side -1: of what is reflected through the surface, as off a thin sheet
+    bool half_vectors; ///< side -1: of light reflected through the surface, as by a thin sheet
 } bsdf_chart;
 
-/// [0] above the surface, [1] below. The normal is z. Tangents lie in the plane of wo and the normal, about which
-/// surfaces of these cases scatter alike: (u, v) and (u, 1 - v).
+/// [0] above the surface, [1] below. The normal is z. Tangents lie in the plane of wo and the normal. The surfaces of
+/// these cases scatter symmetrically about that plane: (u, v) and (u, 1 - v).
 void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart[2]);
 
 /// Direction at (u, v) of the unit square. @param jacobian solid angle per unit of (u, v); 0 off side

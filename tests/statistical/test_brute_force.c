@@ -1,5 +1,5 @@
-/// Light by way of coats, sheets and mirrors: the path tracer and mode final beside paths that aim at nothing and meet their
-/// lamp by chance.
+/// Light by way of coats, sheets and mirrors: the path tracer and mode final compared with paths that do no next-event
+/// estimation and hit their lamp only by chance.
 #include "core/sampling.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
@@ -47,7 +47,7 @@ static bool leave(const arrival *a, bool transmitted, rsv_vec3 direction, rsv_ra
     return v3_dot(side, direction) > 0;
 }
 
-/// Adds what a path finds, by its diffuse events, drawing nothing but what surfaces do.
+/// Adds the light that a path finds, by its diffuse events; it samples only the BSDFs.
 static void follow(const world *w, rsv_ray ray, uint32_t orders, rsv_random *random, double *found)
 {
     rsv_rgb throughput = rgb_gray(1);
@@ -71,7 +71,7 @@ static void follow(const world *w, rsv_ray ray, uint32_t orders, rsv_random *ran
     }
 }
 
-/// Sums of what was found in one block of pixels.
+/// Sums over one block of pixels.
 typedef struct block_sum {
     double sum, squares, count;
 } block_sum;
@@ -114,7 +114,7 @@ static void judge(const world *w, uint32_t orders, uint32_t samples, block_sum *
 
 // ---- the judged ---------------------------------------------------------------------------------
 
-/// Pictures of one mode, which differ by chance alone.
+/// Number of pictures of one mode, which differ only by chance.
 #define PICTURES 8
 
 static void look(const world *w, const rsv_light *solution, uint32_t samples,

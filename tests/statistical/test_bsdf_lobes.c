@@ -1,4 +1,4 @@
-/// What every surface must obey at any roughness and angle: energy, densities, reciprocity.
+/// Laws that every BSDF must obey at any roughness and angle: energy, densities, reciprocity.
 #include "bsdf_cases.h"
 #include "unit/slow_tests.h"
 
@@ -181,7 +181,7 @@ static void scattering_is_reciprocal(void **state)
     assert_int_equal(failures, 0);
 }
 
-/// What integrals above make use of: the plane of wo and the normal mirrors scattering.
+/// The integrals above rely on this: scattering is symmetric about the plane of wo and the normal.
 static void check_symmetry(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
     if (bsdf->brushed) return;
@@ -208,9 +208,9 @@ static void scattering_is_symmetric(void **state)
     assert_int_equal(failures, 0);
 }
 
-/// White and clear surfaces keep the weight of a path at 1, whatever happens to it. (Of coloured sheen,
-/// the channel that it reflects most.) What leaves a coated sheet diffusely keeps the factor of the coat there,
-/// T(wi) / T_mean, and rough lobes under layers keep a(wi) / s(wo): these are 1 in the mean only.
+/// White and clear surfaces keep the weight of a path at 1, whatever happens to it. (Coloured sheen does so in the
+/// channel that it reflects most.) Diffuse light that leaves a coated sheet has the factor T(wi) / T_mean of the coat,
+/// and rough lobes under layers have a(wi) / s(wo): these are 1 only in the mean.
 static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
     if (bsdf->passed > 0 || bsdf->film.share > 0) return; // a film has colours
@@ -245,7 +245,7 @@ static rsv_material layered_base(float metallic, float transmission, float thick
 }
 
 /// Mean weight of drawn directions: the share of light from wo's side that is scattered at all.
-static double drawn_energy(const rsv_bsdf *bsdf, float cos_o, double *standard_error)
+static double drawn_energy_along(const rsv_bsdf *bsdf, rsv_vec3 wo, double *standard_error)
 {
     enum { COUNT_DRAWN = 8192 };
     rsv_random random = rsv_random_from(1, 2, 3);
@@ -253,8 +253,8 @@ static double drawn_energy(const rsv_bsdf *bsdf, float cos_o, double *standard_e
     for (uint32_t k = 0; k < COUNT_DRAWN; k++) {
         float u1, u2, u = rsv_random_float(&random);
         rsv_sobol_2d(k, 1, &u1, &u2);
-        rsv_bsdf_sample sample = rsv_bsdf_sample_direction(
-            bsdf, direction_at(cos_o, 0), up, true, (const float[3]){ u, u1, u2 });
+        rsv_bsdf_sample sample =
+            rsv_bsdf_sample_direction(bsdf, wo, up, true, (const float[3]){ u, u1, u2 });
         double weight = sample.lobe == RSV_LOBE_NONE ? 0 : (double)sample.weight.g;
         sum += weight;
         squares += weight * weight;
@@ -262,6 +262,11 @@ static double drawn_energy(const rsv_bsdf *bsdf, float cos_o, double *standard_e
     double mean = sum / COUNT_DRAWN;
     *standard_error = sqrt(fmax(squares / COUNT_DRAWN - mean * mean, 0) / COUNT_DRAWN);
     return mean;
+}
+
+static double drawn_energy(const rsv_bsdf *bsdf, float cos_o, double *standard_error)
+{
+    return drawn_energy_along(bsdf, direction_at(cos_o, 0), standard_error);
 }
 
 static double whole_energy(const rsv_bsdf *bsdf, float cos_o)
@@ -301,6 +306,115 @@ static void layers_are_lossless_over_any_base(void **state)
                         fail_msg("base %zu, layers %d, roughness %.2f, cos %.2f: %.5f, drawn %.5f",
                             b, layers, (double)roughnesses[r], (double)cosines[k], energy, drawn);
                 }
+}
+
+// ---- clear coats with normals of their own -------------------------------------------------------------
+
+enum { SLICES = 192, TURNS = 192, BINS_Z = 4, BINS_TURN = 8, COAT_BINS = BINS_Z * BINS_TURN };
+
+/// What a surface scatters upwards, and how it is drawn.
+typedef struct upward {
+    double response, density, bin[COAT_BINS];
+} upward;
+
+static int coat_bin(rsv_vec3 wi)
+{
+    int z = (int)(wi.z * BINS_Z);
+    double turn = atan2((double)wi.y, (double)wi.x) / (2 * (double)RSV_PI) + 0.5;
+    int t = (int)(turn * BINS_TURN);
+    return (z < BINS_Z ? z : BINS_Z - 1) * BINS_TURN + (t < BINS_TURN ? t : BINS_TURN - 1);
+}
+
+static upward scattered_upwards(const rsv_bsdf *bsdf, rsv_vec3 wo)
+{
+    upward sum = { 0 };
+    double area = 2 * (double)RSV_PI / (SLICES * TURNS);
+    for (int k = 0; k < SLICES * TURNS; k++) {
+        float z = ((float)(k / TURNS) + 0.5f) / SLICES;
+        rsv_vec3 wi = direction_at(z, 2 * RSV_PI * ((float)(k % TURNS) + 0.5f) / TURNS - RSV_PI);
+        rsv_bsdf_value value = rsv_bsdf_evaluate(bsdf, wi, wo, up, true, RSV_LOBES_ALL);
+        sum.response += area * (double)value.response.g;
+        sum.density += area * (double)value.pdf_solid_angle;
+        sum.bin[coat_bin(wi)] += area * (double)value.pdf_solid_angle;
+    }
+    return sum;
+}
+
+/// Light that a coat alone, met along its own normal, sends where `below` says.
+static double sent_below(float roughness, rsv_vec3 normal, rsv_vec3 wo)
+{
+    rsv_material material = under_layers(layered_base(0, 0, 0), 1, 1);
+    material.base_color = rgb_gray(0);
+    material.specular = 0;
+    material.clearcoat_roughness = roughness;
+    rsv_bsdf coat = rsv_bsdf_from_material(&material);
+    double sum = 0, area = 4 * (double)RSV_PI / (SLICES * TURNS);
+    for (int k = 0; k < SLICES * TURNS; k++) {
+        float z = 2 * ((float)(k / TURNS) + 0.5f) / SLICES - 1;
+        rsv_vec3 wi = direction_at(z, 2 * RSV_PI * ((float)(k % TURNS) + 0.5f) / TURNS);
+        if (z < 0)
+            sum +=
+                area *
+                (double)rsv_bsdf_evaluate(&coat, wi, wo, normal, true, RSV_LOBES_ROUGH).response.g;
+    }
+    return sum;
+}
+
+static void check_coat_draws(const rsv_bsdf *bsdf, rsv_vec3 wo, const upward *expected)
+{
+    int counts[COAT_BINS] = { 0 }, bins = 0;
+    rsv_random random = rsv_random_from(4, 5, 6);
+    for (int k = 0; k < DRAWS; k++) {
+        float u = rsv_random_float(&random), x = rsv_random_float(&random);
+        rsv_bsdf_sample sample = rsv_bsdf_sample_direction(
+            bsdf, wo, up, true, (const float[3]){ u, x, rsv_random_float(&random) });
+        if (sample.lobe != RSV_LOBE_NONE) counts[coat_bin(sample.direction)]++;
+    }
+    double chi_square = 0;
+    for (int k = 0; k < COAT_BINS; k++) {
+        double mean = DRAWS * expected->bin[k];
+        if (mean < 20) continue;
+        chi_square += (counts[k] - mean) * (counts[k] - mean) / mean;
+        bins++;
+    }
+    assert_true(excess(chi_square, bins) < 3.72); // p = 1e-4
+}
+
+static void check_tilted_coat(rsv_material material, float tilt, float cos_o)
+{
+    rsv_texture_ref map = rsv_default_texture_ref(RSV_TEXTURE_CLEARCOAT_NORMAL, 0);
+    rsv_vec3 wo = direction_at(cos_o, 0.4f), normal = direction_at(cosf(tilt), 1);
+    material.textures = &map;
+    material.texture_count = 1;
+    rsv_bsdf bsdf = rsv_bsdf_from_material(&material);
+    assert_true(bsdf.tilted);
+    bsdf.coat_normal = normal;
+    upward found = scattered_upwards(&bsdf, wo);
+    normal = rsv_bsdf_coat_normal(&bsdf, wo, up);
+    double lost = sent_below(material.clearcoat_roughness, normal, wo), error;
+    double drawn = drawn_energy_along(&bsdf, wo, &error);
+    if (fabs(found.response + lost - 1) > 0.005 || fabs(found.density + lost - 1) > 0.005 ||
+        fabs(drawn - found.response) > 5 * error + 0.002)
+        fail_msg("roughness %.2f, tilt %.2f, cos %.2f: %.5f, density %.5f, drawn %.5f, lost %.5f",
+            (double)material.clearcoat_roughness, (double)tilt, (double)cos_o, found.response,
+            found.density, drawn, lost);
+    check_coat_draws(&bsdf, wo, &found);
+}
+
+/// White bases in white surroundings stay white but for what the coat itself sends below the surface.
+static void tilted_coats_lose_only_what_they_send_below(void **state)
+{
+    (void)state;
+    static const float from[] = { 0.15f, 0.4f, 0.7f, 1 };
+    for (int metal = 0; metal < 2; metal++)
+        for (int rough = 1; rough < 3; rough++)
+            for (size_t k = 0; k < COUNT(from); k++) {
+                rsv_material material =
+                    under_layers(layered_base((float)metal, 0, 0), rough == 1 ? 1 : 3, 0.6f);
+                material.clearcoat_roughness = 0.35f * (float)rough;
+                check_tilted_coat(material, 0.25f, from[k]);
+                check_tilted_coat(material, 0.6f, from[k]);
+            }
 }
 
 // Values below: validation cases g.ggx.*
@@ -344,6 +458,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(scattering_is_symmetric),
         cmocka_unit_test(events_of_white_surfaces_weigh_one),
         cmocka_unit_test(layers_are_lossless_over_any_base),
+        cmocka_unit_test(tilted_coats_lose_only_what_they_send_below),
         cmocka_unit_test(single_scattering_matches_reference_values),
         cmocka_unit_test(mean_single_scattering_matches_reference_values),
     };

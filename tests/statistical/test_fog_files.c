@@ -6,8 +6,8 @@
 #include "unit/file_fixture.h"
 #include "unit/fog_fixture.h"
 
-/// A closed black room with a mirrored box, two point lights and lossless fog. All of their power, 0.4 pi W each, ends in the
-/// walls.
+/// A closed black room with a mirrored box, two point lights and lossless fog. All of their power, 0.4 pi W each, ends
+/// in the walls.
 static world *begin_room(void)
 {
     world *w = world_begin(2);
@@ -238,7 +238,7 @@ static bool wants_all(void *user, const uint32_t at[2], const uint32_t size[2])
     return true;
 }
 
-/// What fog of extinction 2/m lets a lamp bring to a place on the floor.
+/// Irradiance by a lamp at a place on the floor, through fog of extinction 2/m.
 static double absorbed_at(const rsv_scene_view *view, const rsv_surface_place *p)
 {
     const uint32_t *corner = view->triangle[p->triangle];

@@ -1,7 +1,8 @@
-/// Light in fog, path traced, against exact answers: absorption, scattering once, often, and in equilibrium.
+/// Light in fog, path traced, compared with exact answers: absorption, scattering once, often, and in equilibrium.
 ///
-/// Numbers for slabs come from doubling and adding with 24 Gauss points a hemisphere (an error of 1e-7; the slab of optical
-/// thickness 10: 1e-4), those of half spaces from Chandrasekhar's equation for H, iterated over 64 Gauss points.
+/// Numbers for slabs come from doubling and adding with 24 Gauss points per hemisphere (error 1e-7; for the slab of
+/// optical thickness 10: 1e-4), those for half spaces from Chandrasekhar's equation for H, iterated over 64 Gauss
+/// points.
 #include "unit/fog_fixture.h"
 #include "unit/slow_tests.h"
 
@@ -43,8 +44,8 @@ static void see(const world *w, rsv_camera camera, uint32_t side, uint32_t sampl
 
 // ---- absorption ---------------------------------------------------------------------------------
 
-/// Beer and Lambert, to a thousandth: straight and aslant through a slab, and where fog thins upwards. Without scattering
-/// there is no noise.
+/// Beer and Lambert, to a thousandth: straight and aslant through a slab, and where fog thins upwards. Without
+/// scattering there is no noise.
 static void absorbing_slabs_follow_beer(void **state)
 {
     (void)state;
@@ -106,7 +107,7 @@ static void absorbing_spheres_follow_beer(void **state)
 
 // ---- scattering once ----------------------------------------------------------------------------
 
-/// A lamp beside the line of sight: a point, a spot that shines straight onto it, and a small panel.
+/// A lamp beside the line of sight: a point, a spot aimed straight at the line, and a small panel.
 static void lamps_beside_a_line_light_it_once(void **state)
 {
     (void)state;
@@ -114,7 +115,7 @@ static void lamps_beside_a_line_light_it_once(void **state)
     const float albedo = 0.8f, g = 0.4f, h = 0.5f, foot = 2;
     for (int kind = 0; kind < 3; kind++) {
         world *w = world_begin(2);
-        // what ends the line
+        // the end of the line
         world_quad(
             w, world_lambert(w, 0, 0), v3(-1, -1, -5), v3(1, -1, -5), v3(1, 1, -5), v3(-1, 1, -5));
         const float radius = 5e-3f;
@@ -192,7 +193,7 @@ static void the_sun_lights_an_atmosphere_once(void **state)
 
 // ---- scattering often -----------------------------------------------------------------------------
 
-/// Albedo and transmission of slabs that scatter alike to all sides, lit by a beam; one slab for each channel, of optical
+/// Albedo and transmission of slabs with isotropic scattering, lit by a beam; one slab for each channel, of optical
 /// thickness and albedo (0.5, 1), (1, 0.8), (2, 0.95).
 static void slabs_reflect_and_transmit_as_chandrasekhar_says(void **state)
 {
@@ -243,7 +244,8 @@ static void half_spaces_shine_by_chandrasekhars_h(void **state)
     world_end(w);
 }
 
-/// A glowing floor under a thick slab that absorbs nothing: what leaves the top darkens towards the limb as H(mu) does.
+/// A glowing floor under a thick slab without absorption: the light that leaves the top darkens towards the limb as
+/// H(mu).
 static void thick_slabs_darken_by_milnes_law(void **state)
 {
     (void)state;
@@ -264,8 +266,8 @@ static void thick_slabs_darken_by_milnes_law(void **state)
 
 // ---- equilibrium and balance ------------------------------------------------------------------------
 
-/// In a closed room whose walls all show radiance 1, fog changes nothing: it scatters into each direction what it scatters
-/// out of it, and what absorbs at the same temperature emits as much.
+/// In a closed room whose walls all have radiance 1, fog changes nothing: it scatters as much into each direction as
+/// out of it, and where it absorbs it emits as much at the same temperature.
 static void fog_is_invisible_in_a_furnace(void **state)
 {
     (void)state;
@@ -332,7 +334,7 @@ static estimate wall_mean(const world *w, uint32_t rounds)
 
 static void add_lamps(world *w, int count)
 {
-    // weak: beside a point, light scattered more than once has no variance
+    // weak: close to a point, light scattered more than once has no variance
     for (int k = 0; k < count; k++) {
         float x = 1.2f * (((float)(k % 5) + 0.5f) / 5 - 0.5f), y = 0.1f * (float)(k % 7) - 0.3f,
               z = 1.2f * (((float)(k / 5 % 5) + 0.5f) / 5 - 0.5f);
@@ -341,8 +343,8 @@ static void add_lamps(world *w, int count)
     }
 }
 
-/// Whatever fog that absorbs nothing does to the light of lamps in a closed room, all of it ends in the black walls: lamps
-/// that are points and panels, few and many; with a white body, a pane with holes and a ball of glass in the way.
+/// Whatever fog without absorption does to the light of lamps in a closed room, all of it ends in the black walls. The
+/// lamps are points and panels, few and many, with a white body, a pane with holes and a glass ball in the way.
 static void fog_loses_no_light(void **state)
 {
     (void)state;
@@ -372,7 +374,7 @@ static void fog_loses_no_light(void **state)
     }
 }
 
-/// Solid bodies displace fog. A lamp of glowing walls is what paths come to through glass and holes.
+/// Solid bodies displace fog. Paths reach a lamp made of glowing walls through glass and holes.
 static void bodies_and_holes_in_fog_lose_no_light(void **state)
 {
     (void)state;
@@ -423,7 +425,7 @@ static rsv_rgb face_fluence(const world *w, rsv_vec3 from, rsv_vec3 towards, uin
     return sum;
 }
 
-/// Scattered fluence at (0, 0, r), all being alike about the z axis: four sides of the cube are one.
+/// Scattered fluence at (0, 0, r). As all is symmetric about the z axis, four sides of the cube count as one.
 static void fluence_beside_the_axis(const world *w, float r, estimate found[3])
 {
     enum { ROUNDS = 10 };
@@ -445,8 +447,9 @@ static void fluence_beside_the_axis(const world *w, float r, estimate found[3])
     }
 }
 
-/// Fluence at distance r from an isotropic point source of one watt in endless fog of extinction 1 (Case and Zweifel 1967):
-/// a discrete mode, which is what diffusion knows, and a continuum.
+/// Fluence at distance r from an isotropic point source of one watt in infinite fog of extinction 1 (Case and Zweifel
+/// 1967): a discrete mode, the solution of the diffusion equation, and a continuum.
+
 static double exact_fluence(double omega, double r)
 {
     double low = 0, high = 1 - 1e-15;

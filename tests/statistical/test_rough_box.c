@@ -1,4 +1,5 @@
 /// A room with a lamp and a ball of each rough kind: the operator's picture against the reference's.
+#include "resolvent/frame.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
 #include "unit/light_fixture.h"
@@ -228,6 +229,127 @@ static void matt_coats_show_glints_without_specks(void **state)
     world_end(w);
 }
 
+// ---- a clear coat with normals of its own --------------------------------------------------------------
+
+/// A black floor under a polished coat that may have waves: all that is seen of it is what the coat reflects of walls and lamp.
+static world *room_with_coat(bool waves)
+{
+    static const rsv_texture_role role[] = { RSV_TEXTURE_CLEARCOAT_NORMAL };
+    world *w = world_begin(2);
+    rsv_material wall = rsv_default_material();
+    wall.specular = 0;
+    wall.base_color = rgb(0.7f, 0.5f, 0.3f);
+    world_room(w, world_material(w, wall), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_material lamp = wall;
+    lamp.base_color = rgb_gray(0);
+    lamp.emission = rgb_gray(3);
+    world_quad(w, world_material(w, lamp), v3(-0.7f, 0.99f, -0.7f), v3(0.7f, 0.99f, -0.7f),
+        v3(0.7f, 0.99f, 0.7f), v3(-0.7f, 0.99f, 0.7f));
+    rsv_material floor = wall;
+    floor.base_color = rgb_gray(0);
+    floor.clearcoat = 1;
+    floor.clearcoat_roughness = 0.1f;
+    const rsv_vec3 corner[4] = { v3(-1, -0.9f, -1), v3(-1, -0.9f, 1), v3(1, -0.9f, 1),
+        v3(1, -0.9f, -1) };
+    world_pattern(w, floor, corner, role, waves ? 1 : 0);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, -0.4f, 0.9f), v3(0, -0.9f, -0.1f), 0.4f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+enum { BLOCKS = 8, BLOCK = SIDE / BLOCKS };
+
+/// Mean luminance, and that of blocks of pixels [BLOCKS * BLOCKS].
+typedef struct blocks {
+    double mean, block[BLOCKS * BLOCKS];
+} blocks;
+
+static blocks blocks_of(const rsv_rgb *pixels)
+{
+    blocks b = { 0 };
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        double luminance = (double)rgb_luminance(pixels[i]);
+        b.mean += luminance / (SIDE * SIDE);
+        b.block[i / SIDE / BLOCK * BLOCKS + i % SIDE / BLOCK] += luminance / (BLOCK * BLOCK);
+    }
+    return b;
+}
+
+/// Root mean square of the difference of blocks, relative to the mean.
+static double difference(const blocks *a, const blocks *b)
+{
+    double squares = 0;
+    for (int k = 0; k < BLOCKS * BLOCKS; k++)
+        squares += (a->block[k] - b->block[k]) * (a->block[k] - b->block[k]);
+    return sqrt(squares) / BLOCKS / b->mean;
+}
+
+static blocks blocks_of_picture(
+    const rsv_light *solution, rsv_render_mode mode, uint32_t samples, double *error)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    rsv_image *image;
+    desc.width = desc.height = SIDE;
+    desc.samples = samples;
+    desc.mode = mode;
+    if (mode == RSV_RENDER_REFERENCE)
+        assert_int_equal(
+            rsv_render_reference(rsv_light_scene(solution), &desc, &image, error), RSV_OK);
+    else
+        assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
+    blocks found = blocks_of(rsv_image_const_pixels(image, 0));
+    rsv_image_destroy(image);
+    return found;
+}
+
+static blocks blocks_of_frames(const rsv_light *solution, uint32_t count)
+{
+    static rsv_rgb radiance[SIDE * SIDE];
+    rsv_frame_desc desc = rsv_default_frame_desc();
+    const rsv_scene_view *scene = rsv_scene_get_view(rsv_light_scene(solution));
+    const rsv_frame_view view = { .camera = { scene->camera[0] } };
+    rsv_frame_renderer *renderer;
+    desc.width = desc.height = SIDE;
+    assert_int_equal(rsv_frame_renderer_create(solution, &desc, &renderer), RSV_OK);
+    for (uint32_t k = 0; k < count; k++)
+        assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
+    rsv_frame_radiance(renderer, 0, radiance);
+    rsv_frame_renderer_destroy(renderer);
+    return blocks_of(radiance);
+}
+
+static void coats_with_normals_of_their_own_look_alike_in_all_modes(void **state)
+{
+    (void)state;
+    world *flat = room_with_coat(false), *w = room_with_coat(true);
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_light *solution, *even;
+    double error = 0;
+    assert_int_equal(rsv_light_create(w->scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(flat->scene, &solve, &even), RSV_OK);
+    blocks without = blocks_of_picture(even, RSV_RENDER_FINAL, 64, NULL);
+    blocks expected = blocks_of_picture(solution, RSV_RENDER_REFERENCE, 512, &error);
+    const blocks found[] = { blocks_of_picture(solution, RSV_RENDER_FINAL, 64, NULL),
+        blocks_of_picture(solution, RSV_RENDER_OPERATOR, 64, NULL),
+        blocks_of_frames(solution, 64) };
+    assert_true(error < TOLERANCE); // of a coat that few paths meet
+    for (int k = 0; k < 3; k++) {
+        print_message("mean %.5f, reference %.5f +- %.2f %%; blocks differ by %.1f %%\n",
+            found[k].mean, expected.mean, 100 * error, 100 * difference(&found[k], &expected));
+        // the first frame, an approximation, is one of those that add up
+        double tolerance = k == 2 ? 5 * TOLERANCE : 3 * TOLERANCE;
+        assert_float_equal(found[k].mean, expected.mean, tolerance * expected.mean);
+        assert_true(difference(&found[k], &expected) < 0.08);
+    }
+    print_message("without waves %.1f %%\n", 100 * difference(&without, &expected));
+    assert_true(difference(&without, &expected) > 0.16);
+    rsv_light_destroy(even);
+    rsv_light_destroy(solution);
+    world_end(flat);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -238,6 +360,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(leaves_agree_with_the_reference),
+        cmocka_unit_test(coats_with_normals_of_their_own_look_alike_in_all_modes),
         cmocka_unit_test(tilted_normals_bend_shot_light_as_they_bend_paths),
     };
     return RUN_HALF(argc, argv, tests, longest);

@@ -462,6 +462,41 @@ static void the_two_rooms_share_floor_and_ceiling(void **state)
     rsv_scene_destroy(scene);
 }
 
+static void the_foggy_rooms_have_fog_and_a_lamp_behind_the_door(void **state)
+{
+    rsv_scene *scene = builtin(*state, "fog-rooms");
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    assert_true(view->fog && view->fog->extinction.g > 0 && view->fog->albedo.g < 1);
+    assert_int_equal(view->light_count, 1);
+    assert_true(view->light[0].position.x > 0 && view->camera[0].position.x < 0);
+    rsv_scene_destroy(scene);
+}
+
+/// Six times the volume that an object encloses: positive where it faces outwards.
+static double volume_of(const rsv_scene_view *view, const char *object)
+{
+    double volume = 0;
+    for (size_t t = 0; t < view->triangle_count; t++) {
+        const uint32_t *k = view->triangle[t];
+        if (strcmp(object_of(view, t), object) != 0) continue;
+        rsv_vec3 a = view->position[k[0]], b = view->position[k[1]], c = view->position[k[2]];
+        volume += (double)v3_dot(a, v3_cross(b, c));
+    }
+    return volume;
+}
+
+static void the_milk_fills_its_glass(void **state)
+{
+    rsv_scene *scene = builtin(*state, "milk");
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    double milk = volume_of(view, "milk") / 6, glass = volume_of(view, "tumbler") / 6;
+    double expected = M_PI * 0.0332 * 0.0332 * (0.1 - 0.0078);
+    assert_float_equal(milk, expected, 2e-3 * expected);
+    expected = M_PI * (0.036 * 0.036 * 0.13 - 0.033 * 0.033 * 0.122);
+    assert_float_equal(glass, expected, 2e-3 * expected);
+    rsv_scene_destroy(scene);
+}
+
 static double area_of(const rsv_scene_view *view)
 {
     double area = 0;
@@ -509,7 +544,8 @@ static void every_room_of_the_gallery_has_its_lights(void **state)
 static void exhaustion_is_an_error_and_leaks_nothing(void **state)
 {
     fixture *f = *state;
-    const char *const names[] = { "two-rooms", "cornell-spheres", "gallery:1", "terraces:5000" };
+    const char *const names[] = { "two-rooms", "cornell-spheres", "gallery:1", "terraces:5000",
+        "fog-rooms", "milk" };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         size_t alive = f->allocations_alive;
         rsv_scene *scene = NULL;
@@ -552,6 +588,8 @@ int main(int argc, char **argv)
         SCENE_TEST(glass_spheres_are_closed_fine_and_apart),
         SCENE_TEST(the_furnace_faces_inwards),
         SCENE_TEST(the_two_rooms_share_floor_and_ceiling),
+        SCENE_TEST(the_foggy_rooms_have_fog_and_a_lamp_behind_the_door),
+        SCENE_TEST(the_milk_fills_its_glass),
         SCENE_TEST(terraces_grow_and_keep_their_detail),
         SCENE_TEST(every_room_of_the_gallery_has_its_lights),
         SCENE_TEST(exhaustion_is_an_error_and_leaks_nothing),

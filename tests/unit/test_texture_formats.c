@@ -75,32 +75,6 @@ static void assert_left_out(fixture *f, const char *path, const char *mentioned)
     rsv_scene_destroy(scene);
 }
 
-/// It has the normals of what it covers, which is not what the format says of either case.
-static void coats_over_normal_maps_are_named(void **state)
-{
-    static const char *const coats[][2] = { { "\"clearcoatFactor\":1",
-                                                "its clear coat should be smooth" },
-        { "\"clearcoatFactor\":1,\"clearcoatNormalTexture\":{\"index\":0}",
-            "clearcoatNormalTexture is ignored" },
-        { "\"clearcoatFactor\":0", NULL } };
-    fixture *f = *state;
-    folder place = new_folder();
-    write_bytes(path_in(&place, "a.png"), "", 0);
-    for (size_t k = 0; k < sizeof coats / sizeof *coats; k++) {
-        char material[512];
-        snprintf(material, sizeof material,
-            "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{%s}}",
-            coats[k][0]);
-        f->log[0] = '\0';
-        rsv_scene_destroy(load(f, write_textured(&place, material, IMAGE("a.png"))));
-        if (coats[k][1])
-            assert_mentions(f->log, coats[k][1]);
-        else
-            assert_null(strstr(f->log, "coat"));
-    }
-    remove_folder(place.path);
-}
-
 // ---- WebP ---------------------------------------------------------------------------------------------
 
 /// Two pixels: red and opaque, green and half transparent.
@@ -209,6 +183,35 @@ static void write_png16(const folder *place, uint16_t left, uint16_t right)
     at += put_chunk(png + at, "IDAT", packed, (uint32_t)packed_bytes);
     at += put_chunk(png + at, "IEND", NULL, 0);
     write_bytes(path_in(place, "deep.png"), png, at);
+}
+
+/// Coats take their own map, the one of what they cover where a file says so, or none.
+static void coats_have_the_normals_that_files_say(void **state)
+{
+    static const struct {
+        const char *coat;
+        size_t textures;
+        bool own;
+    } cases[] = { { "\"clearcoatFactor\":1", 1, true },
+        { "\"clearcoatFactor\":1,\"clearcoatNormalTexture\":{\"index\":0}", 2, false },
+        { "\"clearcoatFactor\":1,\"clearcoatNormalTexture\":{\"index\":0,\"scale\":0.5}", 2, true },
+        { "\"clearcoatFactor\":0,\"clearcoatNormalTexture\":{\"index\":0}", 1, false } };
+    fixture *f = *state;
+    folder place = new_folder();
+    write_png16(&place, 0x8000, 0x8000);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char material[512];
+        snprintf(material, sizeof material,
+            "\"normalTexture\":{\"index\":0},\"extensions\":{\"KHR_materials_clearcoat\":{%s}}",
+            cases[k].coat);
+        f->log[0] = '\0';
+        rsv_scene *scene = load(f, write_textured(&place, material, IMAGE("deep.png")));
+        assert_int_equal(paint_of(scene)->texture_count, cases[k].textures);
+        assert_int_equal(rsv_coat_has_own_normals(paint_of(scene)), cases[k].own);
+        assert_null(strstr(f->log, "coat"));
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
 }
 
 static double srgb(double code)
@@ -602,7 +605,7 @@ int main(void)
         TEST(sixteen_bits_are_not_rounded_to_eight),
         TEST(pictures_of_radiance_are_linear),
         TEST(textures_of_obj_multiply_its_colours),
-        TEST(coats_over_normal_maps_are_named),
+        TEST(coats_have_the_normals_that_files_say),
         TEST(maps_of_obj_tell_roughness_metal_and_highlights),
         TEST(bump_maps_that_hold_normals_are_normal_maps),
         TEST(obj_of_blender_is_read_as_blender_means_it),

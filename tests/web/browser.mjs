@@ -6,13 +6,17 @@ import { join, normalize, resolve } from "node:path";
 
 const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
 
-/// Serves a folder; what is under /truncated/ is cut in half.
-function serve(folder) {
+/// What isolates a page, so that it may share memory among threads.
+const isolation = { "cross-origin-opener-policy": "same-origin", "cross-origin-embedder-policy": "require-corp" };
+
+/// Serves a folder; what is under /truncated/ is cut in half. @param isIsolated says whether pages are, at each request
+function serve(folder, isIsolated) {
     return createServer(async (request, response) => {
         const path = normalize(new URL(request.url, "http://localhost").pathname).replace(/\/$/, "/index.html");
         try {
             let body = await readFile(join(folder, path.replace("/truncated/", "/scene/")));
             if (path.startsWith("/truncated/")) body = body.subarray(0, body.length / 2);
+            for (const [header, value] of Object.entries(isIsolated() ? isolation : {})) response.setHeader(header, value);
             response.setHeader("content-type", types[path.slice(path.lastIndexOf("."))] ?? "application/octet-stream");
             response.end(body);
         } catch {
@@ -39,7 +43,8 @@ export class PageTest {
         test.load = createRequire(resolve(web, "package.json"));
         const { chromium } = test.load("playwright-core");
         test.side = side;
-        test.server = serve(folder);
+        test.isolated = false;
+        test.server = serve(folder, () => test.isolated);
         test.address = `http://localhost:${test.server.address().port}/`;
         test.browser = await chromium.launch({
             executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",

@@ -1,4 +1,4 @@
-/// A picture of 8-bit codes to draw on: boxes, lines and letters, blended over what is there.
+/// A picture of 8-bit codes to draw on: boxes, lines and letters, blended over its contents.
 #ifndef CLI_VIEW_CANVAS_H
 #define CLI_VIEW_CANVAS_H
 
@@ -15,7 +15,7 @@ typedef struct cli_ink {
     float opacity; ///< 0..1
 } cli_ink;
 
-/// What reaches beyond the canvas is cut off. Coordinates in pixels, y down.
+/// Drawing is clipped to the canvas. Coordinates are in pixels, y down.
 void cli_draw_box(cli_canvas *canvas, float x, float y, float width, float height, cli_ink ink);
 
 void cli_draw_ring(

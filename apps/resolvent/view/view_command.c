@@ -59,7 +59,7 @@ static const word *find_word(const char *name)
     return NULL;
 }
 
-/// The next word, or what stands between double quotes, into `token`; false at the end.
+/// Copies the next word, or the text between double quotes, to `token`; false at the end.
 static bool cut(const char **rest, char *token)
 {
     const char *start = *rest + strspn(*rest, " \t\r\n");

@@ -1,4 +1,4 @@
-/// What can be asked of the view, as text: scripts, keys and the mouse all speak it.
+/// Commands of the view, as text. Scripts, keys and the mouse all use them.
 ///
 ///     orbit 15 -5        select "light.desk lamp"        mode occlusion
 #ifndef CLI_VIEW_COMMAND_H
@@ -59,7 +59,8 @@ typedef struct cli_view_command {
 /// Reads one command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes
 bool cli_read_view_command(const char *line, cli_view_command *command, char *problem);
 
-/// Whether the command has to do with sources and materials, or takes a picture: it means nothing before the light is there.
+/// Whether the command has to do with sources and materials, or takes a picture: it means nothing before the light is
+/// there.
 bool cli_view_needs_light(cli_view_verb verb);
 
 #endif

@@ -13,7 +13,7 @@
 
 /// Frames without a change after which the light is made exact.
 #define FRAMES_TO_SETTLE 8
-/// Samples after which nobody sees a further one.
+/// Number of samples after which further ones are invisible.
 #define ENOUGH_SAMPLES 1024
 
 struct cli_view_frames {
@@ -22,19 +22,19 @@ struct cli_view_frames {
     double budget_ms;
     const rsv_scene *body;   ///< NULL = none
     rsv_mover *mover;        ///< of that
-    uint32_t object_changes; ///< of the state that its place is of
+    uint32_t object_changes; ///< version of the state that the object was placed for
     cli_view_changes changes;
-    uint32_t light_changes; ///< of the state that the light is of
-    size_t added_count;     ///< likewise
-    uint32_t replacements;  ///< of its elements, that pictures and mover are of
-    uint32_t quiet_frames;  ///< since it last changed
+    uint32_t light_changes; ///< version of the state that the light was computed for
+    size_t added_count;     ///< lights that were added to it
+    uint32_t replacements;  ///< version of its elements that pictures and mover use
+    uint32_t quiet_frames;  ///< since the light last changed
     bool converged;
 
     uint32_t width, height, eyes; ///< of one eye's picture
     rsv_frame_renderer *renderer;
     cli_still still[RSV_MAX_EYES];
     cli_view_mode mode;              ///< of the last frame
-    rsv_camera camera[RSV_MAX_EYES]; ///< likewise
+    rsv_camera camera[RSV_MAX_EYES]; ///< of the last frame
     bool shows_still;
     uint32_t samples;
     cli_view_pace pace;
@@ -154,13 +154,13 @@ rsv_status cli_view_frames_begin_again(cli_view_frames *f)
     if (f->mover) {
         rsv_mover_destroy(f->mover);
         f->mover = NULL;
-        f->object_changes = UINT32_MAX; // to be placed again
+        f->object_changes = UINT32_MAX; // forces it to be placed again
         status = rsv_mover_create(f->solution, f->body, NULL, &f->mover);
     }
     return status;
 }
 
-/// Has pictures and mover show the light as it is, anew where it has other elements.
+/// Shows the present light in pictures and mover; if its elements were replaced, sets both up again.
 static rsv_status show_light(cli_view_frames *f)
 {
     uint32_t replacements = rsv_relighter_replacements(f->relighter);
@@ -175,7 +175,7 @@ static rsv_status show_light(cli_view_frames *f)
     return status == RSV_OK ? fit(f, f->eyes, f->width, f->height) : status;
 }
 
-/// Has the light take what the state says; what it refuses, the state takes back.
+/// Changes the light to match the state. If it refuses, the state is reset.
 static rsv_status change_light(cli_view_frames *f, cli_view_state *state)
 {
     rsv_relight_desc desc = cli_view_relighting(state, &f->changes);
@@ -218,7 +218,7 @@ static rsv_status update_light(cli_view_frames *f, cli_view_state *state, cli_vi
     return status;
 }
 
-/// Puts the object where it is to be.
+/// Moves the object to its new place.
 static rsv_status update_object(
     cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
 {
@@ -278,7 +278,7 @@ static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
     return RSV_OK;
 }
 
-/// Mode final goes on from what the frames have found at this place.
+/// Starts mode final from what the frames have accumulated at this place.
 static rsv_status begin_still(cli_view_frames *f, const cli_view_state *state,
     const rsv_camera camera[], cli_canvas *canvas, cli_view_timing *timing)
 {

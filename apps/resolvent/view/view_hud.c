@@ -75,7 +75,7 @@ static float text_size(const cli_canvas *canvas)
     return fminf(fmaxf(roundf((float)canvas->height / 75), 7), 16);
 }
 
-/// A panel for so many lines. @return its column, inside the margins
+/// Draws a panel for that many lines. @return its text column, inside the margins
 static text_column open_panel(cli_canvas *canvas, float x, float y, float width, float lines)
 {
     float size = text_size(canvas), margin = 1.4f * size;
@@ -93,7 +93,7 @@ static void write_pair(text_column *c, const char *left, const char *right, cli_
 
 // ---- numbers --------------------------------------------------------------------------------------------
 
-/// Frames per second large, and what they show small.
+/// Frames per second in large letters, and the mode in small ones.
 static void write_title(text_column *c, const cli_view_hud *hud, const cli_view_state *state)
 {
     char text[CLI_VIEW_TEXT_LENGTH];
@@ -142,7 +142,7 @@ static void draw_graph(text_column *c, const cli_view_hud *hud)
 {
     float height = 4 * line_height(c->size) - c->size, bottom = c->y - c->size + height;
     float step = c->width / CLI_VIEW_HISTORY;
-    float most = fmaxf(20, 2 * (float)hud->mean.total_ms); // what is longer is cut off
+    float most = fmaxf(20, 2 * (float)hud->mean.total_ms); // longer bars are cut off
     uint32_t count = hud->frame < CLI_VIEW_HISTORY ? hud->frame : CLI_VIEW_HISTORY;
     cli_draw_box(c->canvas, c->x, c->y - c->size, c->width, height, trough);
     for (uint32_t k = 0; k < count; k++) {
@@ -223,7 +223,7 @@ static void draw_numbers(const cli_view_hud *hud, const cli_view_state *state, c
     if (hud->reading[0]) write_pair(&c, "under the mouse", hud->reading, white);
 }
 
-// ---- what can be changed ----------------------------------------------------------------------------------
+// ---- things that can be changed ---------------------------------------------------------------------------
 
 static cli_ink ink_of(rsv_rgb color)
 {

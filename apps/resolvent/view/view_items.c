@@ -122,7 +122,7 @@ float cli_view_place(const cli_view_state *s, const cli_view_item *item, float p
     return item->movable ? cli_camera_project(&s->camera, s->aspect, at, place) : 0;
 }
 
-// ---- commands that concern what is selected ----------------------------------------------------------
+// ---- commands for the selection ----------------------------------------------------------------------
 
 bool cli_view_fail(char *problem, const char *format, const char *detail)
 {
@@ -272,7 +272,7 @@ bool cli_view_set_albedo(cli_view_state *s, const cli_view_command *c, char *pro
 
 // ---- lights that are added ------------------------------------------------------------------------------
 
-/// Of their intensity over the square of the scene's size: about what lights a room well.
+/// Intensity of an added light over the square of the scene's size: about enough to light a room well.
 #define ADDED_INTENSITY 0.25f
 
 bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *problem)

@@ -1,4 +1,5 @@
-/// What can be selected and changed: lights, surroundings, colours, an object that moves. Commands as in cli_view_apply.
+/// Things that can be selected and changed: lights, surroundings, colours, the moving object. Commands as in
+/// cli_view_apply.
 #ifndef CLI_VIEW_ITEMS_H
 #define CLI_VIEW_ITEMS_H
 

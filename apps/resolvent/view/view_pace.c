@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/// Milliseconds of a frame that nobody wants to steer by, and of one that could have four times the pixels.
+/// Milliseconds of a frame that is too slow to steer by, and of one fast enough for four times the pixels.
 #define SLOW_MS 150
 #define FAST_MS 25
 /// Frames in a row before anything changes: one may be slow by chance.

@@ -1,4 +1,4 @@
-/// All that surrounds the camera, from six square pictures.
+/// The camera's surroundings, from six square pictures.
 #include "view_frames.h"
 
 #include "resolvent/frame.h"
@@ -23,7 +23,7 @@ static float dot(rsv_vec3 a, rsv_vec3 b) { return a.x * b.x + a.y * b.y + a.z * 
 
 static rsv_vec3 scaled(rsv_vec3 a, float s) { return (rsv_vec3){ a.x * s, a.y * s, a.z * s }; }
 
-/// The camera made level: what is ahead stays ahead, the horizon is in the middle.
+/// The camera, levelled: its heading stays, and the horizon is in the middle.
 static rsv_camera level(const rsv_camera *camera)
 {
     rsv_camera c = { .name = "panorama", .position = camera->position, .aspect = 1 };

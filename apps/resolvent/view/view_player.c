@@ -41,7 +41,7 @@ static bool open_file(const cli_view_player *p)
                                                  &p->session->animation) == RSV_OK;
 }
 
-/// Finds the animation when it is first asked for.
+/// Opens the animation when it is first needed.
 static bool open_animation(cli_view_player *p, cli_view_state *state, char *problem)
 {
     const char *name = p->clip_name;

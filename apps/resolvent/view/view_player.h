@@ -1,4 +1,4 @@
-/// The animation of a scene, played in the view: the light follows what moves, and lags behind it by as long as that takes.
+/// Plays a scene's animation in the view. The light follows what moves, and lags behind it by the time that takes.
 #ifndef CLI_VIEW_PLAYER_H
 #define CLI_VIEW_PLAYER_H
 
@@ -20,11 +20,11 @@ typedef struct cli_view_player {
 /// Whether a file may hold an animation.
 bool cli_view_is_playable(const char *path);
 
-/// Takes time and light on where the animation plays, or was moved to another moment.
-/// @param state its animation's length is set as soon as that is known @param problem out: why it cannot, with room for
-/// CLI_VIEW_TEXT_LENGTH bytes; it rests then
-/// @param lag_ms out: how far the light on show will be behind; 0 = not at all
-/// @return false after such a problem
+/// Advances time and light while the animation plays or after its time was set.
+/// @param state its animation's length is set once that is known @param problem out: the error, in a buffer of
+/// CLI_VIEW_TEXT_LENGTH bytes; the animation then stops
+/// @param lag_ms out: how far the displayed light is behind; 0 = not at all
+/// @return false after an error
 bool cli_view_play(cli_view_player *player, cli_view_show *show, cli_view_state *state,
     double *lag_ms, char *problem);
 

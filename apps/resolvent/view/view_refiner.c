@@ -15,7 +15,7 @@
 
 enum { MOST_STAGES = 4 };
 
-/// A light that is to be made.
+/// A light to be computed.
 typedef struct stage {
     const char *name;
     rsv_solve_desc desc;
@@ -26,7 +26,7 @@ struct cli_refiner {
     stage stage[MOST_STAGES];
     int stage_count;
     pthread_t thread;
-    pthread_mutex_t lock; ///< of all that follows
+    pthread_mutex_t lock; ///< protects the members below
     cli_lit ready;        ///< frames NULL = nothing
     const char *making;   ///< name of the stage; NULL = nothing
     char phase[32];
@@ -44,9 +44,9 @@ void cli_free_lit(cli_lit *lit)
     *lit = (cli_lit){ 0 };
 }
 
-// ---- what is made -------------------------------------------------------------------------------
+// ---- stages -------------------------------------------------------------------------------------
 
-/// Few elements with few rays, without caustics: what can be had while one waits.
+/// Few elements, few rays and no caustics: a light that is ready while the user waits.
 static rsv_solve_desc coarse_desc(const rsv_solve_desc *best)
 {
     rsv_solve_desc desc = *best;
@@ -70,7 +70,7 @@ static rsv_solve_desc preset_desc(rsv_quality quality, const rsv_solve_desc *bes
     return desc;
 }
 
-/// Where memory is limited, nothing lies beside the light that was asked for.
+/// Plans the stages. If memory is limited, only the final light is computed.
 static void plan(cli_refiner *r)
 {
     const rsv_solve_desc *best = &r->desc.solve;
@@ -122,7 +122,7 @@ static bool is_stopping(cli_refiner *r)
     return stopping;
 }
 
-/// Leaves a light for cli_refiner_take, in place of one that nobody took.
+/// Leaves a light for cli_refiner_take, and frees one that was not taken.
 static void post(cli_refiner *r, const cli_lit *lit)
 {
     pthread_mutex_lock(&r->lock);
@@ -132,7 +132,7 @@ static void post(cli_refiner *r, const cli_lit *lit)
     cli_free_lit(&before);
 }
 
-/// Shows a light, with all that frames of it need. @param lit its light, and a relighter or none; taken over
+/// Prepares a light for its frames. @param lit the light, with a relighter or none; taken over
 static rsv_status present(cli_refiner *r, cli_lit *lit)
 {
     const cli_refiner_desc *d = &r->desc;
@@ -166,7 +166,7 @@ static rsv_status show_changeable(cli_refiner *r, const char *name, rsv_light *c
     return status;
 }
 
-/// Of lights that nobody asked for, one that cannot be made is no error.
+/// Computes all lights. A preliminary one that fails is no error.
 static rsv_status make_lights(cli_refiner *r)
 {
     rsv_light *light = r->desc.light, *copy = NULL;
@@ -184,7 +184,7 @@ static rsv_status make_lights(cli_refiner *r)
     }
     if (status != RSV_OK || !light) return status;
     status = show_light(
-        r, name, light); // whoever shows it only reads it, and keeps it until a better one is there
+        r, name, light); // its frames only read it, and keep it until a better one replaces it
     if (status == RSV_OK && !is_stopping(r)) status = rsv_light_copy(light, &copy);
     if (status == RSV_OK && !is_stopping(r)) return show_changeable(r, name, copy);
     rsv_light_destroy(copy);

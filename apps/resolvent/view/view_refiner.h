@@ -5,13 +5,13 @@
 #include "../session.h"
 #include "view_frames.h"
 
-/// A light, and all that is needed to show it and, where there is a relighter, to change it.
+/// A light, all that is needed to show it and, if it has a relighter, to change it.
 typedef struct cli_lit {
     const char *name; ///< of its quality
     rsv_light *light;
     rsv_relighter *relighter; ///< NULL = none yet
     cli_view_frames *frames;
-    bool follows; ///< it has followed what moves: there is no relighter any more
+    bool follows; ///< it has followed moving surfaces, and so has no relighter
 } cli_lit;
 
 void cli_free_lit(cli_lit *lit);
@@ -19,9 +19,9 @@ void cli_free_lit(cli_lit *lit);
 typedef struct cli_refiner_desc {
     cli_session *session; ///< whose progress the refiner takes over
     const rsv_scene *scene;
-    rsv_light *light;     ///< solved already: it is made ready to be shown; taken over. NULL = none
-    rsv_solve_desc solve; ///< of the best light
-    rsv_quality quality;  ///< of that
+    rsv_light *light;      ///< already solved, to be prepared only; taken over. NULL = none
+    rsv_solve_desc solve;  ///< of the final light
+    rsv_quality quality;   ///< of the final light
     const rsv_scene *body; ///< as in cli_view_frames_create, as is budget_ms
     double budget_ms;
     uint32_t width, height; ///< of the window
@@ -30,17 +30,18 @@ typedef struct cli_refiner_desc {
 
 typedef struct cli_refiner cli_refiner;
 
-/// Starts with a coarse light, draft next, and so on up to the quality wanted, and ends with a copy of that and its relighter.
-/// @return NULL where there is no memory or no thread
+/// Computes a coarse light, then draft, and so on up to the quality wanted; last comes a copy of that with its
+/// relighter.
+/// @return NULL if there is no memory or no thread
 cli_refiner *cli_refiner_start(const cli_refiner_desc *desc);
 
-/// Stops whatever is being made, and waits for its end.
+/// Stops the computation, and waits for its thread to end.
 void cli_refiner_stop(cli_refiner *refiner);
 
-/// The best light that was finished since the last call, which is the caller's from then on. @return whether there is one
+/// Takes the best light finished since the last call; the caller owns it. @return whether there is one
 bool cli_refiner_take(cli_refiner *refiner, cli_lit *lit);
 
-/// What is being made: "medium: assemble 43 %"; "" = nothing. @param text [CLI_VIEW_TEXT_LENGTH]
+/// Describes the present work: "medium: assemble 43 %"; "" = none. @param text [CLI_VIEW_TEXT_LENGTH]
 void cli_refiner_say(cli_refiner *refiner, char *text);
 
 /// Whether nothing more is being made.

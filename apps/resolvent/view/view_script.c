@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// "12" or "12-40". @return what follows, or NULL
+/// Parses "12" or "12-40". @return the text after it, or NULL
 static const char *read_frames(const char *text, cli_view_script_line *line)
 {
     char *end;

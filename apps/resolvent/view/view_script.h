@@ -1,4 +1,4 @@
-/// Commands by frame: what `resolvent view --script` reads.
+/// Commands by frame: the file format of `resolvent view --script`.
 ///
 ///     # frame  command                       or first-last: in every one of these frames
 ///     0        select light.lamp
@@ -25,7 +25,7 @@ typedef struct cli_view_script {
     size_t line_count;
 } cli_view_script;
 
-/// Says on standard error which line is wrong, and why. @param script to be freed even after an error
+/// Prints on standard error which line is wrong, and why. @param script to be freed even after an error
 bool cli_read_view_script(const char *path, cli_view_script *script);
 void cli_free_view_script(cli_view_script *script);
 

@@ -56,7 +56,7 @@ static void end_fade(cli_view_show *s)
     s->sketch = NULL;
 }
 
-/// The state of a light without a relighter knows nothing of sources and materials.
+/// Sets up the state. For a light without a relighter, it has no sources and materials.
 static bool begin_state(const cli_view_show *s, cli_view_state *state)
 {
     cli_view_state before = *state;
@@ -128,7 +128,7 @@ static bool same_pose(const cli_view_pose *p, const cli_view_pose *q)
            a->vertical_extent == b->vertical_extent;
 }
 
-/// Draws it into `old`, unless that is what it holds.
+/// Draws the sketch into `old`, unless it is there already.
 static void draw_sketch(cli_view_show *s, cli_view_state *state)
 {
     const cli_view_pose pose = { state->camera, state->exposure, state->soft, s->old.width,
@@ -149,7 +149,7 @@ static void blend(const cli_canvas *old, float share, cli_canvas *canvas)
         to[k] = (uint8_t)((to[k] * (256 - weight) + from[k] * weight) >> 8);
 }
 
-/// Lays what was shown before over the picture, less with every frame. Modes that show something else change at once.
+/// Blends the previous light over the picture, less with every frame. Modes that show something else switch at once.
 static rsv_status fade(cli_view_show *s, cli_view_state *state, cli_canvas *canvas)
 {
     cli_view_timing timing;

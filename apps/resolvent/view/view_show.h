@@ -1,4 +1,4 @@
-/// What is on show: a sketch of the scene, its first light, better ones, and the change from one to the next.
+/// What the view displays: a sketch of the scene, its first light, better ones, and the fade from one to the next.
 #ifndef CLI_VIEW_SHOW_H
 #define CLI_VIEW_SHOW_H
 
@@ -14,7 +14,7 @@ typedef struct cli_show_event {
     double processor; ///< seconds of the process until then
 } cli_show_event;
 
-/// All that a sketch depends on.
+/// Everything that a sketch depends on.
 typedef struct cli_view_pose {
     rsv_camera camera;
     float exposure;
@@ -25,45 +25,46 @@ typedef struct cli_view_pose {
 typedef struct cli_view_show {
     cli_session *session;
     const rsv_scene *body;
-    cli_sketch *sketch;     ///< NULL as soon as it is of no more use
-    cli_lit lit;            ///< on show; its frames NULL = the sketch is
-    cli_lit before;         ///< what fades out; its frames NULL = the sketch does, or nothing
-    uint32_t fade;          ///< frames that the change still takes
-    cli_view_pose sketched; ///< how the last sketch was seen
-    bool sketch_rests;      ///< it was seen so before
-    cli_canvas old;         ///< a picture of `before`, or of the sketch
-    cli_refiner *refiner;   ///< NULL = nothing is made
+    cli_sketch *sketch;     ///< NULL once it is no longer needed
+    cli_lit lit;            ///< displayed; frames NULL = the sketch is
+    cli_lit before;         ///< fading out; frames NULL = the sketch is, or nothing
+    uint32_t fade;          ///< frames until the fade ends
+    cli_view_pose sketched; ///< pose of the last sketch
+    bool sketch_rests;      ///< the pose has not changed since
+    cli_canvas old;         ///< a picture of `before`, or the sketch
+    cli_refiner *refiner;   ///< NULL = no light is being computed
     cli_show_event event[CLI_SHOW_MOST_EVENTS];
     uint32_t event_count;
-    char message[CLI_VIEW_TEXT_LENGTH]; ///< why nothing better is coming; "" = nothing to say
+    char message[CLI_VIEW_TEXT_LENGTH]; ///< why no better light will come; "" = nothing to say
     bool failed;
 } cli_view_show;
 
-/// Shows a sketch of the scene while its light is made. Says what went wrong. @param desc its session and body too
+/// Shows a sketch of the scene while its light is computed. Prints errors. @param desc its session and body outlive the
+/// show
 bool cli_show_begin(cli_view_show *show, const cli_refiner_desc *desc, uint32_t threads);
 
-/// Whether frames are of a light, and not of the sketch alone.
+/// Whether a solved light is displayed, not only the sketch.
 bool cli_show_is_lit(const cli_view_show *show);
 
-/// Whether it is the best one, whose sources and materials can be changed.
+/// Whether it is the final light, whose sources and materials can be changed.
 bool cli_show_is_complete(const cli_view_show *show);
 
-/// Takes over what has been finished meanwhile: the state goes on with it.
+/// Switches to the best light finished meanwhile, which gets the state's changes.
 rsv_status cli_show_update(cli_view_show *show, cli_view_state *state);
 
 /// Makes the next frame, as cli_view_frames_next.
 rsv_status cli_show_frame(
     cli_view_show *show, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing);
 
-/// Takes the light to a version of the scene in which surfaces are elsewhere; from then on sources and materials stay as they
-/// are. After an error other than RSV_ERROR_UNSUPPORTED nothing can be shown any more.
+/// Takes the light to a version of the scene in which surfaces have moved. From then on sources and materials cannot be
+/// changed. After an error other than RSV_ERROR_UNSUPPORTED nothing can be displayed any more.
 rsv_status cli_show_follow(cli_view_show *show, cli_view_state *state, const rsv_scene *scene);
 
-/// Whether a further frame would look the same, or hardly any better while the next light is waited for.
+/// Whether another frame would look the same, or hardly any better until the next light is ready.
 bool cli_show_at_rest(const cli_view_show *show);
 
-/// Leaves the processors to what is being made for a share of the time that the last frame took, a larger one while there is no
-/// light yet.
+/// Sleeps for a share of the last frame's time, so that the light gets the processors; longer while there is no light
+/// yet.
 void cli_show_yield(const cli_view_show *show, double frame_ms);
 
 void cli_show_end(cli_view_show *show);

@@ -1,4 +1,5 @@
-/// A scene before it is solved: its surfaces under a lamp at the camera, and what shines, as fast as rays are traced.
+/// A picture of a scene before it is solved: its surfaces under a lamp at the camera, and its sources, at the speed of
+/// rays.
 #ifndef CLI_VIEW_SKETCH_H
 #define CLI_VIEW_SKETCH_H
 
@@ -11,7 +12,7 @@ typedef struct cli_sketch cli_sketch;
 rsv_status cli_sketch_create(const rsv_scene *scene, uint32_t threads, cli_sketch **sketch);
 void cli_sketch_destroy(cli_sketch *sketch);
 
-/// Draws what the state's camera sees. @param state its aspect is set
+/// Draws the view of the state's camera. @param state its aspect is set
 void cli_sketch_draw(const cli_sketch *sketch, cli_view_state *state, cli_canvas *canvas);
 
 #endif

@@ -142,7 +142,7 @@ static bool drag(cli_view_state *s, float dx, float dy, char *problem)
            cli_view_nudge(s, cli_camera_drag(&s->camera, s->aspect, depth, dx, dy), problem);
 }
 
-// ---- what is shown ----------------------------------------------------------------------------------
+// ---- the picture ------------------------------------------------------------------------------------
 
 static bool set_mode(cli_view_state *s, const char *name, char *problem)
 {

@@ -1,4 +1,4 @@
-/// What the view shows: where from, in which mode, under which light. Commands change it; nothing here draws or solves.
+/// The state of the view: camera, mode and light. Commands change it; nothing here draws or solves.
 #ifndef CLI_VIEW_STATE_H
 #define CLI_VIEW_STATE_H
 
@@ -33,7 +33,7 @@ typedef struct cli_view_item {
     const char *alias; ///< the other one of the light's and its node's; NULL = there is none
     rsv_rgb color;     ///< factors of a light, base colour of a material
     float scale;       ///< of a light
-    rsv_vec3 offset;   ///< likewise, from `home`
+    rsv_vec3 offset;   ///< of a light, from `home`
     rsv_vec3 home;
     rsv_rgb glow; ///< a light's own colour, the largest component 1
     bool movable;
@@ -84,36 +84,37 @@ typedef struct cli_view_state {
 } cli_view_state;
 
 /// @param relighter NULL = nothing can be changed yet
-/// @param layer_count of the solution: emission and its orders @param body an object that moves; NULL = none
+/// @param layer_count of the solution: emission and its orders @param body a moving object; NULL = none
 /// @param state to be freed by cli_view_state_free even after an error
 bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
     uint32_t layer_count, const rsv_scene *body, cli_view_state *state);
 /// Takes over from an earlier state of the same scene where one looks from, and how, and where the object is.
 void cli_view_state_continue(cli_view_state *state, const cli_view_state *earlier);
-/// Sets the exposure that the scene begins with; what was added to it stays.
+/// Sets the exposure that the scene starts with; changes by the user are kept.
 void cli_view_expose(cli_view_state *state, float stops);
 void cli_view_state_free(cli_view_state *state);
 
-/// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then
+/// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed
+/// then
 bool cli_view_apply(cli_view_state *state, const cli_view_command *command, char *problem);
 
 /// One of the lights that were added, for the relighter.
 rsv_punctual_light cli_view_added_light(const cli_view_state *state, size_t index);
 
-/// Room for what cli_view_relighting points to.
+/// Storage for the arrays that cli_view_relighting returns.
 typedef struct cli_view_changes {
     rsv_light_scale *light;    ///< [item_count]
     rsv_albedo_change *albedo; ///< [item_count]
     rsv_light_move *move;      ///< [item_count]
 } cli_view_changes;
 
-/// All that differs from how things began.
+/// All changes since the start.
 rsv_relight_desc cli_view_relighting(const cli_view_state *state, const cli_view_changes *room);
 
-/// The light has taken what cli_view_relighting said.
+/// To be called when the light has taken the changes of cli_view_relighting.
 void cli_view_note_taken(cli_view_state *state);
 
-/// The light refused that: lights and colours are again what it took last.
+/// To be called when the light has refused them: resets lights and colours to the last accepted ones.
 void cli_view_take_back(cli_view_state *state);
 
 /// The item called so ("light.NAME", "albedo.MATERIAL", "environment"); item_count = none.

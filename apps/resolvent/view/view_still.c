@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Samples per pixel after which mode final is left alone.
+/// Samples per pixel at which mode final stops.
 #define FINAL_SAMPLES 256
-/// Of these, as many as the frames before count for to begin with.
+/// The previous frames count for this many samples at first.
 #define KNOWN_SAMPLES 16
-/// The heat map has so much fewer pixels along each side, and so many gather rays for each.
+/// The heat map has this many times fewer pixels along each side, and this many gather rays per pixel.
 #define ERROR_COARSENESS 3
 #define ERROR_GATHER_RAYS 24
 
@@ -135,7 +135,7 @@ uint8_t cli_tone_code(float radiance, float scale, bool soft)
     return (uint8_t)(255 * code + 0.5f);
 }
 
-/// What frames knew counts for less with every sample, and in the end for nothing.
+/// Weight of the previous frames: it falls with every sample, and finally to 0.
 static float share_known(const cli_still *s, cli_view_mode mode)
 {
     float samples = (float)s->samples;

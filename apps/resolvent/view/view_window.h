@@ -15,8 +15,8 @@ void cli_window_size(const cli_window *window, uint32_t *width, uint32_t *height
 
 bool cli_window_show(cli_window *window, const cli_canvas *canvas);
 
-/// Hands on what was typed and done with the mouse since the last call, as commands.
-/// @param speed of flying, metres per second @param wait_ms for something to happen, at most
+/// Passes on the keys and mouse actions since the last call, as commands.
+/// @param speed of flying, metres per second @param wait_ms longest time to wait for an action
 void cli_window_listen(cli_window *window, float speed, int wait_ms,
     void (*command)(void *user, const char *text), void *user);
 

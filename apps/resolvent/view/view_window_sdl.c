@@ -1,4 +1,4 @@
-/// The only file that knows SDL2.
+/// The only file that uses SDL2.
 #include "view_window.h"
 
 #include "../progress.h"
@@ -36,7 +36,7 @@ static cli_window *give_up(cli_window *w)
     return NULL;
 }
 
-/// Without a display SDL would draw where nobody sees it.
+/// Without a display SDL would draw to nothing.
 static bool has_display(void)
 {
 #if defined(__unix__) && !defined(__APPLE__)

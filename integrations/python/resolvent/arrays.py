@@ -1,4 +1,5 @@
-"""Arrays as the library wants them: C order, float32, finite; or an exception that names the argument."""
+"""Converts arguments to arrays for the library (C order, float32, finite), or raises an exception that names the
+argument."""
 from __future__ import annotations
 
 from typing import Any, Optional, Sequence, Tuple, Union
@@ -24,7 +25,7 @@ def real(name: str, value: ArrayLike) -> np.ndarray:
 
 
 def check_finite(name: str, array: np.ndarray) -> None:
-    """ValueError that says where, if anything is infinite or NaN."""
+    """Raises ValueError, with the position, if anything is infinite or NaN."""
     finite = np.isfinite(array)
     if not finite.all():
         where = tuple(int(k) for k in np.argwhere(~finite)[0])
@@ -36,14 +37,14 @@ def _shape_text(shape: Sequence[Union[int, str]]) -> str:
 
 
 def check_shape(name: str, array: np.ndarray, shape: Sequence[Union[int, str]]) -> None:
-    """ValueError unless the shape is that one; names stand for any length."""
+    """Raises ValueError unless the shape matches; names stand for any length."""
     fits = array.ndim == len(shape) and all(isinstance(s, str) or s == n for s, n in zip(shape, array.shape))
     if not fits:
         raise ValueError(f"{name}: shape {array.shape}; expected {_shape_text(shape)}")
 
 
 def floats(name: str, value: ArrayLike, shape: Sequence[Union[int, str]]) -> np.ndarray:
-    """Finite float32 in C order of that shape; a copy where it must be one."""
+    """Finite float32 in C order with that shape; copied if necessary."""
     array = real(name, value)
     check_shape(name, array, shape)
     with np.errstate(over="ignore"):
@@ -80,7 +81,7 @@ def number(name: str, value: Any) -> float:
 
 
 def choice(name: str, value: Any, choices: Sequence[str]) -> int:
-    """The index of a name among those there are."""
+    """The index of a name in `choices`."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: {type(value).__name__} is not a name; there are {', '.join(choices)}")
     if value not in choices:
@@ -89,7 +90,7 @@ def choice(name: str, value: Any, choices: Sequence[str]) -> int:
 
 
 def probes(points: ArrayLike, normals: ArrayLike, origin: np.ndarray) -> Tuple[np.ndarray, Tuple[int, ...]]:
-    """Points and normals side by side, (N, 6) float32, and the shape that both have but for the last 3."""
+    """Points and normals side by side, (N, 6) float32, and their common shape without the last axis."""
     p, n = real("points", points), real("normals", normals)
     for name, array in (("points", p), ("normals", n)):
         if array.size == 0 and array.ndim == 1:

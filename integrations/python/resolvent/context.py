@@ -1,4 +1,4 @@
-"""Contexts: threads, progress, log, cancelling; and how calls of the library are made."""
+"""Contexts: threads, progress, log, cancellation; and calls of the library."""
 from __future__ import annotations
 
 import logging
@@ -18,11 +18,11 @@ _logger = logging.getLogger("resolvent")
 
 
 class Handle:
-    """A C object, and those that must outlive it. It is destroyed when nothing uses it any more, its children first:
-    Python's collector would destroy the members of a cycle in any order."""
+    """A C object, and the objects that must outlive it. It is destroyed once nothing uses it, after its children.
+    (Python's garbage collector would destroy the members of a cycle in any order.)"""
 
     def __init__(self, pointer: Any, destroy: Callable[[Any], None], parent: Optional[Handle] = None, keep: Any = None):
-        """@param keep what the object borrows"""
+        """@param keep Python objects that the C object borrows"""
         self.pointer, self._destroy, self.parent, self._keep, self._users = pointer, destroy, parent, keep, 1
         if parent is not None:
             parent.retain()
@@ -43,7 +43,7 @@ class Handle:
 
 
 class Owner:
-    """Holds a Handle while it lives. It is constant: its copies are itself."""
+    """Owns a Handle. Immutable: a copy is the object itself."""
 
     _handle: Handle
 
@@ -63,7 +63,7 @@ class Owner:
 
 
 class Object(Owner):
-    """What is made with a context."""
+    """An object that belongs to a context."""
 
     _made_by = ""
 
@@ -74,7 +74,7 @@ class Object(Owner):
 
     @property
     def context(self) -> Context:
-        """The context that it was made with."""
+        """The context of this object."""
         return self._context
 
     @property
@@ -83,7 +83,8 @@ class Object(Owner):
 
 
 class _Listener:
-    """What the callbacks of a context know. It does not hold the context, which would live until the collector runs."""
+    """State of the callbacks of a context. It does not refer to the context, which would otherwise live until the
+    garbage collector runs."""
 
     def __init__(self, progress: Optional[Callable[[str, float], Optional[bool]]]):
         self.progress = progress
@@ -92,7 +93,7 @@ class _Listener:
 
 
 def _note_exception(_kind: Any, value: BaseException, traceback: Any) -> bool:
-    """Keeps what a callback raised, a KeyboardInterrupt above all, until the call of the library has returned."""
+    """Keeps an exception of a callback, such as KeyboardInterrupt, until the call of the library has returned."""
     handle = traceback.tb_frame.f_locals.get("handle") if traceback is not None else None
     if handle is not None:
         ffi.from_handle(handle).raised[threading.get_ident()] = value
@@ -115,17 +116,17 @@ def _tell_log(handle: Any, level: int, message: Any) -> None:
 
 
 class Context(Owner):
-    """Threads, progress and warnings of the objects that are made with it.
+    """Threads, progress and warnings of the objects that belong to it.
 
     Parameters
     ----------
     threads : worker threads; 0 = one per CPU, or OMP_NUM_THREADS. Results do not depend on it.
-    progress : called as ``progress(phase, fraction)`` about 50 times a second during long work, from the thread that
-        works; returning False cancels, and what it raises is raised by the call that it interrupts.
+    progress : called as ``progress(phase, fraction)`` about 50 times a second during long work, from the working
+        thread. Return False to cancel. Exceptions that it raises end the call, which raises them.
 
-    Warnings of the library are Python's, of class ResolventWarning; notes go to the logger "resolvent". While the
-    library works, other Python threads run. Ctrl-C stops its work with KeyboardInterrupt; the context can be
-    used afterwards.
+    Warnings of the library are Python warnings of class ResolventWarning; notes go to the logger "resolvent". While the
+    library works, other Python threads can run. Ctrl-C stops the work with KeyboardInterrupt; the context remains
+    usable.
     """
 
     def __init__(self, threads: int = 0, progress: Optional[Callable[[str, float], Optional[bool]]] = None):
@@ -143,18 +144,18 @@ class Context(Owner):
         return f"<resolvent.Context at {id(self):#x}>"
 
     def cancel(self) -> None:
-        """Stops the calls that run now, in other threads: they raise Cancelled."""
+        """Stops calls that are running in other threads: they raise Cancelled."""
         with self._lock:
             if self._running:
                 lib.rsv_context_cancel(self._handle.pointer)
 
     def call(self, function: Callable[..., int], *arguments: Any) -> None:
-        """Calls a function of the library that returns a status; raises what it, or a callback, says."""
+        """Calls a function of the library that returns a status; raises its error, or that of a callback."""
         self._raise_for(self._run(function, arguments))
 
     def create(self, function: Callable[..., int], kind: str, destroy: Callable[[Any], None], parent: Optional[Handle],
                *arguments: Any) -> Handle:
-        """The same for one that makes an object through its last parameter."""
+        """The same for a function that creates an object in its last parameter."""
         out = ffi.new(kind + " **")
         error = self._run(function, (*arguments, out))
         handle = None if error else Handle(out[0], destroy, parent or self._handle)
@@ -194,7 +195,7 @@ class Context(Owner):
 
 
 def _level_of_caller() -> int:
-    """For warnings: how far up the code is that called this package, seen from who asks."""
+    """For warnings: stack level of the code that called this package."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == os.path.dirname(__file__):
         level, frame = level + 1, frame.f_back
@@ -202,7 +203,7 @@ def _level_of_caller() -> int:
 
 
 def names_of(names: Any) -> List[str]:
-    """Names that end with NULL."""
+    """A NULL-terminated array of names as a list."""
     known: List[str] = []
     while names[len(known)] != ffi.NULL:
         known.append(ffi.string(names[len(known)]).decode())
@@ -213,7 +214,7 @@ _default: Optional[Context] = None
 
 
 def default_context() -> Context:
-    """The context of objects that are made without naming one."""
+    """The context of objects that are created without one."""
     global _default
     if _default is None:
         _default = Context()

@@ -1,15 +1,15 @@
-"""What goes wrong, as exceptions. Each is also the builtin exception that Python's users expect there."""
+"""Exceptions. Each is also a subclass of the matching built-in exception."""
 from __future__ import annotations
 
 from ._native import ffi, lib
 
 
 class ResolventError(Exception):
-    """Base of all exceptions of this package but TypeError and ValueError, which tell of wrong arguments."""
+    """Base of this package's exceptions, except TypeError and ValueError for wrong arguments."""
 
 
 class ArgumentError(ResolventError, ValueError):
-    """The library refused an argument; the message says which, and what to do."""
+    """The library refused an argument. The message says which one, and what to do."""
 
 
 class FileError(ResolventError, OSError):
@@ -21,11 +21,11 @@ class FormatError(ResolventError, ValueError):
 
 
 class UnsupportedError(ResolventError, NotImplementedError):
-    """Well-formed, but beyond what the library does."""
+    """Valid, but not supported."""
 
 
 class SceneError(ResolventError, ValueError):
-    """A scene without a bounded or meaningful answer."""
+    """The scene has no bounded or meaningful solution."""
 
 
 class OutOfMemoryError(ResolventError, MemoryError):
@@ -37,7 +37,7 @@ class Cancelled(ResolventError):
 
 
 class ResolventWarning(UserWarning):
-    """What the library warns of: parts of a file that are left out, light that is taken on trust, ..."""
+    """A warning of the library: parts of a file that are ignored, light that could not be checked, ..."""
 
 
 _OF_STATUS = {

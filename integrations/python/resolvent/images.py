@@ -1,4 +1,4 @@
-"""Pictures between files, the library and arrays: (height, width, 3) float32, linear RGB radiance, row 0 on top."""
+"""Pictures as arrays, in files and in the library: (height, width, 3) float32, linear RGB radiance, row 0 on top."""
 from __future__ import annotations
 
 import os
@@ -14,7 +14,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def file_name(name: str, path: Path) -> bytes:
-    """A path as C takes it."""
+    """A path as a C string."""
     if not isinstance(path, (str, os.PathLike)):
         raise TypeError(f"{name}: {type(path).__name__} is not a path")
     encoded = os.fsencode(path)
@@ -30,7 +30,7 @@ def pixels_of(handle: Handle, layer: int) -> np.ndarray:
 
 
 def layers_of(handle: Handle) -> Dict[str, np.ndarray]:
-    """All layers but the picture itself, by name."""
+    """All layers except the picture itself, by name."""
     image = handle.pointer
     return {ffi.string(lib.rsv_image_layer_name(image, k)).decode(): pixels_of(handle, k)
             for k in range(1, lib.rsv_image_layer_count(image))}

@@ -1,4 +1,4 @@
-"""Solved light: read, rendered, relit, certified, differentiated, saved."""
+"""Solved light: reading, rendering, relighting, certifying, differentiating, saving."""
 from __future__ import annotations
 
 import dataclasses
@@ -22,21 +22,21 @@ PROBE_MODES = ("lookup", "operator", "reference")
 
 
 class Source(NamedTuple):
-    """Something that shines, and that `Light.relight` knows by its name."""
+    """A source of light, as `Light.relight` names it."""
 
     name: str
-    strength: Tuple[float, float, float]  #: a lamp's radiance, a light's intensity, of the surroundings 1
+    strength: Tuple[float, float, float]  #: radiance of a lamp, intensity of a light, 1 for the environment
     position: Tuple[float, float, float]  #: metres
     movable: bool
-    node: Optional[str]  #: that placed a light, where several share a name
+    node: Optional[str]  #: node that placed the light, if several share a name
 
 
 @dataclasses.dataclass(frozen=True)
 class Basis:
-    """What each source does by itself, with all that follows of it.
+    """The contribution of each source to readings, with all reflections.
 
-    Readings are linear in the strengths: of sources with the factors f they are ``np.tensordot(f, irradiance, 1)``; so
-    `irradiance` is the derivative of the readings with respect to the factors, too.
+    Readings are linear in the strengths. With factors f of the sources, they are
+    ``np.tensordot(f, irradiance, 1)``, so `irradiance` is also their derivative with respect to f.
     """
 
     names: Tuple[str, ...]
@@ -45,28 +45,28 @@ class Basis:
 
 @dataclasses.dataclass(frozen=True)
 class Gradient:
-    """A weighted sum of readings, channel by channel, and its derivatives."""
+    """A weighted sum of readings, per channel, and its derivatives."""
 
     reading: np.ndarray  #: (3,) W/m2
-    lights: Dict[str, np.ndarray]  #: by source: with respect to the factor of its strength, (3,) W/m2
-    albedo: Dict[str, np.ndarray]  #: by material: with respect to the albedo of all its elements, (3,) W/m2
+    lights: Dict[str, np.ndarray]  #: with respect to the factor of each source, (3,) W/m2
+    albedo: Dict[str, np.ndarray]  #: with respect to the albedo of all elements of each material, (3,) W/m2
     element_albedo: np.ndarray  #: (N, 3): with respect to the albedo of each element
-    adjoint: np.ndarray  #: (N, 3): what light that starts at each element counts for, after all reflections
+    adjoint: np.ndarray  #: (N, 3): effect of light that starts at each element, after all reflections
 
 
 class Light(Object):
-    """The light of a scene, solved on the elements of its operator. Constant: relighting makes another one.
+    """The light of a scene, solved on the elements of its operator. Immutable: `relight` returns another one.
 
-    Made by `Scene.solve`, `Light.relight` or `Light.load`. Any number of threads may use it.
+    Created by `Scene.solve`, `Light.relight` or `Light.load`. Thread-safe.
     """
 
     _made_by = "Scene.solve, Light.relight or Light.load"
 
-    #: Of `Scene.solve(error=...)`: the certificate of the solution, and why refining ended; else None.
+    #: After `Scene.solve(error=...)`: the certificate of the solution, and why refinement ended; otherwise None.
     certificate: Optional[Certificate] = None
     error_stop: Optional[str] = None
 
-    # ---- making one --------------------------------------------------------------------------------
+    # ---- creating ----------------------------------------------------------------------------------
 
     @classmethod
     def _solved(cls, scene: Scene, wishes: Wishes) -> Light:
@@ -85,7 +85,7 @@ class Light(Object):
 
     @classmethod
     def load(cls, path: Path, context: Optional[Context] = None) -> Light:
-        """Reads what `Light.save`, or ``resolvent solve``, wrote: the scene, the operator and the solution."""
+        """Reads an operator file from `Light.save` or ``resolvent solve``: scene, operator and solution."""
         context, name = context or default_context(), file_name("path", path)
         pointer_of_context, out = context._handle.pointer, ffi.new("rsv_light **")
 
@@ -98,34 +98,34 @@ class Light(Object):
         return light
 
     def save(self, path: Path, name: Optional[str] = None) -> None:
-        """Writes an operator file (docs/operator-files.md). `name` is what it calls the scene."""
+        """Writes an operator file (docs/operator-files.md). `name` is the name of the scene in it."""
         scene_name = ffi.NULL if name is None else text("name", name)
         self._context.call(lib.rsv_light_save, self._pointer, scene_name, file_name("path", path))
 
     def copy(self) -> Light:
-        """Another light of the same operator: costs memory for fields alone."""
+        """Another light of the same operator. It needs memory only for fields."""
         handle = self._context.create(lib.rsv_light_copy, "rsv_light", lib.rsv_light_destroy, self._handle.parent,
                                       self._pointer)
         return Light(self._context, handle)
 
-    # ---- what it is --------------------------------------------------------------------------------
+    # ---- properties --------------------------------------------------------------------------------
 
     def __repr__(self) -> str:
         return f"<resolvent.Light: {self.report.elements} elements, mean {self.report.mean_irradiance:.4g} W/m2>"
 
     @property
     def report(self) -> SolveReport:
-        """What the solve did, and how good its answer is."""
+        """Result and accuracy of the solve."""
         return solve_report(lib.rsv_light_report(self._pointer))
 
     @property
     def scene(self) -> Scene:
-        """The scene as this light has it: with the strengths, colours and places that it was relit with."""
+        """The scene of this light, with the strengths, colours and positions that it was relit with."""
         return Scene(self._context, self._borrow_scene())
 
     @functools.cached_property
     def operator(self) -> Operator:
-        """The light-transport operator G K, which lights that were relit share."""
+        """The light-transport operator G K, which relit lights share."""
         retained = lib.rsv_operator_retain(lib.rsv_light_operator(self._pointer))
         # of the light's colours, whose scene the light holds
         handle = Handle(retained, lib.rsv_operator_release, self._handle)
@@ -141,7 +141,7 @@ class Light(Object):
 
     @property
     def source_field(self) -> np.ndarray:
-        """E0, (N, 3) float32, W/m2: what arrives at the elements straight from the sources."""
+        """E0, (N, 3) float32, W/m2: direct light at the elements."""
         return self._field(lib.rsv_light_source_field(self._pointer))
 
     @property
@@ -151,10 +151,10 @@ class Light(Object):
 
     @property
     def order_count(self) -> int:
-        """Orders of light that are kept apart: 0 is direct light, n has been reflected n times."""
+        """Number of orders that are kept separately: 0 is direct light, n has been reflected n times."""
         return lib.rsv_light_order_count(self._pointer)
 
-    # ---- looking at it -----------------------------------------------------------------------------
+    # ---- readings and pictures ---------------------------------------------------------------------
 
     @overload
     def irradiance(self, points: ArrayLike, normals: ArrayLike, mode: str = "lookup", *, samples: int = 4096,
@@ -170,16 +170,16 @@ class Light(Object):
 
         Parameters
         ----------
-        points, normals : (..., 3), broadcast against each other; metres; normals need not be unit. A point on a surface
-            is taken to be on the side that its normal points to.
-        mode : "lookup", the stored solution at the nearest surface point; "operator", one gather of rays through it,
-            with direct light sampled; "reference", path traced
-        samples : rays or paths per point, but for "lookup"
+        points, normals : (..., 3), broadcast against each other; metres; normals of any length. A point on a surface
+            belongs to the side that its normal points to.
+        mode : "lookup", the stored solution at the nearest surface point; "operator", one gather of rays through the
+            solution, with direct light sampled; "reference", path traced
+        samples : rays or paths per point; not for "lookup"
         return_error : also return the standard error
 
         Returns
         -------
-        (..., 3) float32, W/m2; with `return_error` a tuple of two.
+        (..., 3) float32, W/m2; with `return_error` a tuple (irradiance, standard error).
         """
         given, shape = probes(points, normals, self.scene.origin)
         readings = np.empty((len(given), 6), np.float32)
@@ -206,26 +206,26 @@ class Light(Object):
                height: Optional[int] = None, error: Optional[float] = None, max_time: Optional[float] = None,
                samples: Optional[int] = None, noise: float = 0.0, gather_rays: int = 0, gloss: str = "paths",
                layers: bool = False, seed: int = 0, path_depth: int = 64) -> Any:
-        """A picture.
+        """Renders a picture.
 
         Parameters
         ----------
-        camera : a Camera, or the name or index of one of the scene's; None = its first
+        camera : a Camera, or the name or index of a camera of the scene; None = the first
         mode : "final", direct light per pixel; "operator", all light looked up; "reference", path traced
-        width, height : pixels; what is not given follows from the camera's aspect, 512 the longer side
-        error : mode "final": RMS error of pixels that is wanted, relative to what is around them, 0.005 to 1; where
-            neither this nor `samples`, `noise` or `gather_rays` says how, 0.07. The solution stays as it is.
-        max_time : mode "final": the best picture that so many seconds allow, with `error` no better than that
+        width, height : pixels; what is missing follows from the camera's aspect, with a longer side of 512
+        error : mode "final": target RMS error of pixels, relative to the pixels around them, 0.005..1. Default 0.07,
+            unless `samples`, `noise` or `gather_rays` is given. The solution is not changed.
+        max_time : mode "final": the best picture possible in this many seconds, stopping early if `error` is reached
         samples : camera rays per pixel instead; modes "operator" and "reference": default 9 and 64
-        noise : wanted standard error of a pixel as a share of what is around it; 0 = `samples` everywhere
-        gather_rays : mode "final": per camera ray; 0 = look the indirect light up
-        gloss : mode "operator": what rough surfaces reflect is found by "paths" or "reused" among neighbours (fast, a
-            little biased)
+        noise : target standard error of a pixel, relative to the pixels around it; 0 = `samples` everywhere
+        gather_rays : mode "final": gather rays per camera ray; 0 = look up indirect light
+        gloss : mode "operator": reflections of rough surfaces by "paths", or "reused" among neighbouring pixels (fast,
+            slightly biased)
 
         Returns
         -------
-        (height, width, 3) float32, W/(sr m2), row 0 on top; with `layers` that, and a dict of the same by order of
-        reflection: "emission", "direct", "bounce1", ...
+        (height, width, 3) float32, W/(sr m2), row 0 on top; with `layers` a tuple of this and a dict of pictures by
+        order of reflection: "emission", "direct", "bounce1", ...
         """
         scene, asked = self.scene, error is not None or max_time is not None
         fixed = samples is not None or noise or gather_rays
@@ -249,10 +249,10 @@ class Light(Object):
         return rendered(handle, layers)
 
     def bake(self, path: Path, target: str = "vertex", **options: Any) -> BakeReport:
-        """Writes the light into a copy of the scene's glTF file (docs/bake.md).
+        """Bakes the light into a copy of the scene's glTF file (docs/bake.md).
 
-        `target` is "vertex", "lightmap" or "probes"; `options` are fields of rsv_bake_desc (bake.h) by name: tolerance,
-        unlit, density, map_size, padding, keep_uv, directional, basis, turns, probe_spacing, ...
+        `target` is "vertex", "lightmap" or "probes"; `options` are fields of rsv_bake_desc (bake.h): tolerance, unlit,
+        density, map_size, padding, keep_uv, directional, basis, turns, probe_spacing, ...
         """
         desc, result = ffi.new("rsv_bake_desc *", lib.rsv_default_bake_desc()), ffi.new("rsv_bake_report *")
         known = [name for name, _ in ffi.typeof("rsv_bake_desc").fields if name != "size"]
@@ -266,11 +266,11 @@ class Light(Object):
         self._context.call(lib.rsv_bake, self._pointer, text("target", target), file_name("path", path), desc, result)
         return report(BakeReport, result)
 
-    # ---- how wrong it is ---------------------------------------------------------------------------
+    # ---- errors ------------------------------------------------------------------------------------
 
     def certify(self, *, samples: int = 2048, gather_rays: int = 512, light_samples: int = 64,
                 seed: int = 0) -> Certificate:
-        """How wrong the solution is, by its residual at random points of the surfaces (docs/certificate.md)."""
+        """The error of the solution, from its residual at random points on surfaces (docs/certificate.md)."""
         result = ffi.new("rsv_certificate *")
         desc = _certify_desc(samples, gather_rays, light_samples, seed)
         self._context.call(lib.rsv_certify, self._pointer, desc, result)
@@ -278,7 +278,7 @@ class Light(Object):
 
     def certify_goal(self, goal: Any = None, *, samples: int = 2048, gather_rays: int = 512, light_samples: int = 64,
                      seed: int = 0) -> GoalCertificate:
-        """The error of what a camera (name or index; None = the first) or (points, normals) read, in the mean."""
+        """The error of the mean reading of a camera (name or index; None = the first) or of (points, normals)."""
         result = ffi.new("rsv_goal_certificate *")
         desc = _certify_desc(samples, gather_rays, light_samples, seed)
         if isinstance(goal, (tuple, list)):
@@ -295,19 +295,19 @@ class Light(Object):
 
     def relight(self, lights: Optional[Mapping[str, Rgb]] = None, albedo: Optional[Mapping[str, Rgb]] = None,
                 move: Optional[Mapping[str, Vec3]] = None, env_rotation: Optional[float] = None) -> Light:
-        """The same surfaces under other lights and in other colours. No ray is traced for the operator.
+        """Returns the light with other strengths and colours. No rays are traced for the operator.
 
         Parameters
         ----------
-        lights : factors of the strengths of sources, by name: of punctual lights or the nodes that placed them, of
-            materials that emit, and "environment"; one number or RGB, 0..1e6
-        albedo : base colours, 0..1, of materials that are diffuse, opaque and of one colour
-        move : metres by which sources move
-        env_rotation : degrees to which the surroundings turn about +y, counter-clockwise from above
+        lights : factors of the strengths of sources, by name: of punctual lights, the nodes that placed them, emissive
+            materials, and "environment"; one number or RGB, 0..1e6
+        albedo : base colours, 0..1, of diffuse, opaque materials without textures
+        move : metres by which to move sources
+        env_rotation : rotation of the environment about +y, degrees, counter-clockwise from above
 
         Returns
         -------
-        Another Light; this one stays as it is. UnsupportedError where a change is beyond relighting: solve again.
+        A new Light; this one is not changed. Raises UnsupportedError if a change needs a new solve.
         """
         desc = _RelightDesc(lights or {}, albedo or {}, move or {}, env_rotation)
         changed = self.copy()
@@ -316,18 +316,18 @@ class Light(Object):
 
     @functools.cached_property
     def sources(self) -> Tuple[Source, ...]:
-        """What shines, as `relight` knows it."""
+        """The sources, as `relight` names them."""
         return _sources(self._relighter()[0], self.scene.origin)
 
     def _relighter(self) -> Tuple[_Owned, Light]:
-        """One on a copy, which it keeps alive."""
+        """A relighter on a copy, and the copy, which must outlive it."""
         copy = self.copy()
         handle = self._context.create(lib.rsv_relighter_create, "rsv_relighter", lib.rsv_relighter_destroy,
                                       copy._handle, copy._pointer)
         return _Owned(handle), copy
 
     def _one_by_one(self, settle: bool) -> Iterator[Tuple[str, Light]]:
-        """Yields each source's name, and the light with it alone. With `settle` solved, else with E0 alone."""
+        """Yields each source's name and a light with that source alone: solved with `settle`, otherwise only E0."""
         owned, copy = self._relighter()
         names = list(dict.fromkeys(source.name for source in _sources(owned, np.zeros(3))))
         for name in names:
@@ -340,9 +340,9 @@ class Light(Object):
 
     def basis(self, points: ArrayLike, normals: ArrayLike, mode: str = "lookup", *, samples: int = 4096,
               seed: int = 0) -> Basis:
-        """What each source does at points, by itself: the derivatives of readings with respect to strengths.
+        """The contribution of each source to readings: their derivatives with respect to strengths.
 
-        Arguments as of `irradiance`. One solve for each source, none of which traces a ray for the operator.
+        Takes the arguments of `irradiance`. Solves once for each source, without tracing rays for the operator.
         """
         names, readings = [], []
         for name, alone in self._one_by_one(settle=True):
@@ -353,7 +353,7 @@ class Light(Object):
         return Basis(tuple(names), stacked)
 
     def gradient(self, points: ArrayLike, normals: ArrayLike, weights: Optional[ArrayLike] = None) -> Gradient:
-        """Derivatives of a weighted sum of readings, by one adjoint solution, however many parameters there are.
+        """Derivatives of a weighted sum of readings, by one adjoint solution for any number of parameters.
 
         The readings are those of the elements,
         ``light.operator.interpolation(points, normals) @ light.irradiance_field``.
@@ -361,7 +361,7 @@ class Light(Object):
         Parameters
         ----------
         points, normals : (..., 3) as in `irradiance`
-        weights : (...) of the sum; None = its mean
+        weights : (...) weights of the sum; None = the mean
         """
         w = self.operator.interpolation(points, normals)
         if weights is None:
@@ -383,7 +383,7 @@ class Light(Object):
 
 
 class _Owned:
-    """A handle that is released with this."""
+    """Releases a handle when it is destroyed."""
 
     def __init__(self, handle: Handle):
         self.handle = handle
@@ -411,7 +411,7 @@ def _certify_desc(samples: int, gather_rays: int, light_samples: int, seed: int)
 
 
 class _RelightDesc:
-    """A rsv_relight_desc, and what it borrows."""
+    """An rsv_relight_desc, and the objects that it borrows."""
 
     def __init__(self, lights: Mapping[str, Rgb], albedo: Mapping[str, Rgb], move: Mapping[str, Vec3],
                  env_rotation: Optional[float]):

@@ -1,4 +1,4 @@
-"""From radiometric RGB to what people call bright."""
+"""Photometry: luminance and illuminance from radiometric RGB."""
 from __future__ import annotations
 
 import numpy as np
@@ -12,7 +12,7 @@ LUMINOUS_EFFICACY = 683.0
 
 
 def luminance(rgb: ArrayLike) -> np.ndarray:
-    """Weighted sum of the channels. (..., 3) -> (...), float64, in the unit of the input."""
+    """Luminance: a weighted sum of the channels. (..., 3) -> (...), float64, in the unit of the input."""
     array = real("rgb", rgb)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"rgb: shape {array.shape}; expected (..., 3)")
@@ -22,6 +22,6 @@ def luminance(rgb: ArrayLike) -> np.ndarray:
 def illuminance(irradiance: ArrayLike) -> np.ndarray:
     """Lux of an irradiance. (..., 3) W/m2 -> (...) lx, float64.
 
-    By 683 lm/W, as exporters of glTF divide candela: right for scenes whose lights were made so.
+    Uses 683 lm/W, as exporters of glTF do for candela. This is right for scenes whose lights use this factor.
     """
     return LUMINOUS_EFFICACY * luminance(irradiance)

@@ -1,4 +1,4 @@
-"""Descriptions of pictures, and what comes out."""
+"""Options of pictures, and their results."""
 from __future__ import annotations
 
 import math
@@ -37,7 +37,7 @@ def camera_of(scene: Scene, camera: Any) -> int:
 
 
 def _size(aspect: float, size: Tuple[Optional[int], Optional[int]]) -> Tuple[int, int]:
-    """Width and height; what is not given follows from the camera's aspect."""
+    """Width and height; what is missing follows from the camera's aspect."""
     width, height = size
     aspect = aspect if aspect > 0 else 1.0
     if width is None and height is None:
@@ -51,7 +51,7 @@ def _size(aspect: float, size: Tuple[Optional[int], Optional[int]]) -> Tuple[int
 
 def render_desc(scene: Scene, mode: str, camera: Any, size: Tuple[Optional[int], Optional[int]],
                 **fields: Any) -> Tuple[Any, List[Any]]:
-    """A rsv_render_desc, and what it borrows."""
+    """An rsv_render_desc, and the objects that it borrows."""
     keep: List[Any] = []
     desc = ffi.new("rsv_render_desc *", lib.rsv_default_render_desc())
     desc.mode = choice("mode", mode, MODES)
@@ -74,7 +74,7 @@ def render_desc(scene: Scene, mode: str, camera: Any, size: Tuple[Optional[int],
 
 
 def plan_desc(error: Optional[float], max_time: Optional[float]) -> Any:
-    """A rsv_plan_desc. With `max_time` alone: as good as there is time for."""
+    """An rsv_plan_desc. With only `max_time`: as good as time permits."""
     desc = ffi.new("rsv_plan_desc *", lib.rsv_default_plan_desc())
     if error is not None:
         desc.relative_error = number("error", error)
@@ -87,7 +87,7 @@ def plan_desc(error: Optional[float], max_time: Optional[float]) -> Any:
 
 
 def render_planned(scene: Any, light: Any, plan: Any, desc: Any, image: Any) -> int:
-    """`light` is kept; NULL = the plan solves one for itself."""
+    """Renders a planned picture. `light` stays alive; NULL = the plan solves its own."""
     used = ffi.new("rsv_light **", light)
     status = lib.rsv_render_planned(scene, plan, desc, used, image, ffi.NULL)
     if light == ffi.NULL and status == lib.RSV_OK:
@@ -96,7 +96,7 @@ def render_planned(scene: Any, light: Any, plan: Any, desc: Any, image: Any) -> 
 
 
 def rendered(handle: Handle, layers: bool) -> Union[np.ndarray, Layered]:
-    """The arrays of an image, which is released."""
+    """Arrays of an image. Releases the image."""
     try:
         return (pixels_of(handle, 0), layers_of(handle)) if layers else pixels_of(handle, 0)
     finally:

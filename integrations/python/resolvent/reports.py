@@ -1,4 +1,4 @@
-"""What the library tells of its work, as frozen dataclasses with the names that the C structures have."""
+"""Reports, as frozen dataclasses with the names of the C structures."""
 from __future__ import annotations
 
 import dataclasses
@@ -20,14 +20,14 @@ def _plain(value: Any) -> Any:
 
 
 def report(kind: Type[T], struct: Any, **known: Any) -> T:
-    """A dataclass of the fields of a C structure that it names."""
+    """A dataclass with the fields of a C structure that have the same names."""
     names = [f.name for f in dataclasses.fields(kind)]
     return kind(**{n: known[n] if n in known else _plain(getattr(struct, n)) for n in names})
 
 
 @dataclasses.dataclass(frozen=True)
 class SolveReport:
-    """What happened, and how good the answer is (rsv_solve_report in solve.h says more). Times in seconds."""
+    """Result and accuracy of a solve; rsv_solve_report in solve.h has details. Times are in seconds."""
 
     stop_reason: str  #: "converged", "max orders", "no light", "stagnated", "diverged" or "breakdown"
     elements: int  #: coarse elements: unknowns of the linear system
@@ -51,7 +51,7 @@ class SolveReport:
 
 @dataclasses.dataclass(frozen=True)
 class Certificate:
-    """How wrong a solution is: luminance of irradiance, W/m2, in the root mean square over all surfaces
+    """The error of a solution: luminance of irradiance, W/m2, root mean square over all surfaces
     (docs/certificate.md)."""
 
     samples: int  #: points that count
@@ -62,7 +62,7 @@ class Certificate:
     error_estimate_ci95: Tuple[float, float]
     residual_direct_rms: float
     residual_gathered_rms: float
-    irradiance_rms: float  #: of the solution: what makes the others relative
+    irradiance_rms: float  #: of the solution; divide the others by it for relative errors
     max_albedo: float
     medium_factor: float
     amplification: float
@@ -71,22 +71,22 @@ class Certificate:
 
     @property
     def relative_error(self) -> float:
-        """Estimated error over irradiance; 0 where there is none."""
+        """Estimated error / irradiance; 0 if there is no irradiance."""
         return self.error_estimate_rms / self.irradiance_rms if self.irradiance_rms > 0 else 0.0
 
 
 @dataclasses.dataclass(frozen=True)
 class GoalCertificate:
-    """The error of what a camera or sensors read: mean luminance, W/(sr m2) or W/m2."""
+    """The error of the mean luminance that a camera or sensors read, W/(sr m2) or W/m2."""
 
     reading: float
-    error: float  #: estimate of what is missing (negative: too much)
+    error: float  #: estimate of the true reading minus `reading`
     error_ci95: Tuple[float, float]
 
 
 @dataclasses.dataclass(frozen=True)
 class BakeReport:
-    """What a bake wrote (rsv_bake_report in bake.h says more)."""
+    """Result of a bake; rsv_bake_report in bake.h has details."""
 
     vertices: int
     triangles: int
@@ -99,7 +99,7 @@ class BakeReport:
     largest_seam: float
     probe_count: Tuple[int, int, int]
     valid_probes: int
-    light_scale: float  #: W/m2 that the largest code stands for
+    light_scale: float  #: radiance of a white surface that 1 stands for in the file, W/(m2 sr)
     lights: int
 
 

@@ -1,4 +1,4 @@
-"""Scenes: from files, by name, or from arrays."""
+"""Scenes: from files, built-in, or from arrays."""
 from __future__ import annotations
 
 import os
@@ -21,14 +21,14 @@ AXES = ("x", "y", "z")
 
 
 class Scene(Object):
-    """What is lit: meshes, materials, lights, cameras. Constant; any number of threads may use it.
+    """Meshes, materials, lights and cameras. Immutable and thread-safe.
 
-    Made by `Scene.load`, `Scene.builtin` or `Scene.from_meshes`.
+    Created by `Scene.load`, `Scene.builtin` or `Scene.from_meshes`.
     """
 
     _made_by = "Scene.load, Scene.builtin or Scene.from_meshes"
 
-    # ---- making one --------------------------------------------------------------------------------
+    # ---- creating ----------------------------------------------------------------------------------
 
     @classmethod
     def load(cls, path: Path, *, environment: Any = None, fog: Optional[Fog] = None,
@@ -38,10 +38,10 @@ class Scene(Object):
 
         Parameters
         ----------
-        environment : an Environment, or what its `source` may be; None = the file's own
-        fog : what the air holds; scenes with fog are for `reference` and `reference_irradiance` alone
-        metres_per_unit, up : of .obj, .ply and .stl, which say neither
-        crease_angle : radians; meshes without normals are shaded smooth across flatter edges (glTF apart)
+        environment : an Environment, or a value for its `source`; None = the environment of the file
+        fog : a medium in the air; docs/media.md says which modes support it
+        metres_per_unit, up : of .obj, .ply and .stl, which state neither
+        crease_angle : radians; meshes without normals are shaded smoothly across flatter edges (not in glTF)
         """
         context = context or default_context()
         desc = ffi.new("rsv_load_desc *", lib.rsv_default_load_desc())
@@ -56,7 +56,7 @@ class Scene(Object):
                 body_triangles: int = 60000, context: Optional[Context] = None) -> Scene:
         """A built-in scene: "cornell-spheres", "gallery:4", "terraces:1e5", ... (`Scene.builtin_names()`).
 
-        `body` is a scene whose triangles take the place of the scene's own body, where it has one.
+        `body` is a scene whose triangles replace the scene's own body, if it has one.
         """
         context = context or (body.context if isinstance(body, Scene) else default_context())
         desc = ffi.new("rsv_builtin_desc *", lib.rsv_default_builtin_desc())
@@ -76,7 +76,7 @@ class Scene(Object):
     def from_meshes(cls, meshes: Union[Mesh, Iterable[Mesh]], *, lights: Iterable[PunctualLight] = (),
                     cameras: Iterable[Camera] = (), environment: Any = None, fog: Optional[Fog] = None,
                     context: Optional[Context] = None) -> Scene:
-        """A scene of arrays, which are copied. Without a camera it gets one named "framing" that shows all of it."""
+        """A scene from arrays, which are copied. Without a camera, it gets one named "framing" that shows all of it."""
         context = context or default_context()
         handle = context.create(lib.rsv_scene_create, "rsv_scene", lib.rsv_scene_destroy, None, context._handle.pointer)
         scene = cls(context, handle)
@@ -117,7 +117,7 @@ class Scene(Object):
         self._context.call(lib.rsv_scene_set_fog, self._pointer, fog._described())
         return self
 
-    # ---- what is in it -----------------------------------------------------------------------------
+    # ---- contents ----------------------------------------------------------------------------------
 
     @property
     def _view(self) -> Any:
@@ -129,8 +129,8 @@ class Scene(Object):
 
     @property
     def origin(self) -> np.ndarray:
-        """(3,) float64: metres that the library takes out of all coordinates; 0 in most scenes. Coordinates of this
-        package are the file's own: it is taken out and put back."""
+        """(3,) float64, metres: the library's coordinates are relative to this point, 0 in most scenes. This package
+        converts them: all coordinates here are those of the file."""
         return copy_of(self._view.origin, (3,), np.float64)
 
     def _placed(self, array: np.ndarray) -> np.ndarray:
@@ -139,7 +139,7 @@ class Scene(Object):
 
     @property
     def vertices(self) -> np.ndarray:
-        """(V, 3) metres, in the world; float32, or float64 far from the origin."""
+        """(V, 3) metres, world space; float32, or float64 far from the origin."""
         return self._placed(copy_of(self._view.position, (self._view.vertex_count, 3), np.float32))
 
     @property
@@ -164,34 +164,34 @@ class Scene(Object):
 
     @property
     def object_names(self) -> List[str]:
-        """One for each placed mesh."""
+        """One name for each placed mesh."""
         view = self._view
         return [ffi.string(view.object_name[k]).decode("utf-8", "replace") for k in range(view.object_count)]
 
     @property
     def materials(self) -> List[Material]:
-        """Without their textures."""
+        """The materials, without their textures."""
         return [Material._of(self._view.material[k]) for k in range(self._view.material_count)]
 
     @property
     def lights(self) -> List[PunctualLight]:
-        """Punctual lights. Lamps are materials that emit."""
+        """The punctual lights. Area lights are emissive materials."""
         return [PunctualLight._of(self._view.light[k], self.origin) for k in range(self._view.light_count)]
 
     @property
     def cameras(self) -> List[Camera]:
-        """At least one."""
+        """The cameras, at least one."""
         return [Camera._of(self._view.camera[k], self.origin) for k in range(self._view.camera_count)]
 
     @property
     def bounds(self) -> np.ndarray:
-        """(2, 3): the least and the largest coordinates, metres."""
+        """(2, 3): smallest and largest coordinates, metres."""
         low, high = self._view.bounds_min, self._view.bounds_max
         return self._placed(np.array([[low.x, low.y, low.z], [high.x, high.y, high.z]]))
 
     @property
     def environment(self) -> Optional[Environment]:
-        """Its picture with the intensity in it; None = black."""
+        """The environment, with its intensity applied to the pixels; None = black."""
         e = self._view.environment
         if e == ffi.NULL:
             return None
@@ -199,7 +199,7 @@ class Scene(Object):
                            ffi.string(e.name).decode("utf-8", "replace"))
 
     def fingerprint(self) -> str:
-        """SHA-256 of all that the scene holds, in hexadecimal."""
+        """SHA-256 of everything in the scene, hexadecimal."""
         digits = ffi.new("char[]", lib.RSV_FINGERPRINT_DIGITS + 1)
         self._context.call(lib.rsv_scene_fingerprint, self._pointer, digits)
         return ffi.string(digits).decode()
@@ -208,21 +208,21 @@ class Scene(Object):
         """Writes binary glTF; `Scene.load` reads the same scene back."""
         self._context.call(lib.rsv_scene_save, self._pointer, file_name("path", path))
 
-    # ---- its light ---------------------------------------------------------------------------------
+    # ---- light -------------------------------------------------------------------------------------
 
     def solve(self, quality: str = "medium", *, goal: Any = None, error: Optional[float] = None,
               **options: Any) -> Light:
-        """Finds the light-transport operator of the scene, and its light.
+        """Solves the light of the scene.
 
         Parameters
         ----------
         quality : "draft", "medium" or "high"
-        goal : a camera (name or index) or (points, normals), both (..., 3): elements are spent on what that sees
-        error : refine, beginning with that quality, until the certified error (of the goal, if there is one) is below
-            this share, 1e-4..1; `Light.certificate` holds the certificate
-        options : fields of rsv_solve_desc (solve.h) by name: element_target, rays_per_element, refinements,
-            light_samples, photon_count, direct_levels, direct_level, solver ("auto", "gmres", ...), max_orders,
-            tolerance, seed, max_elements, max_bytes, checkpoint, earlier; with `error` also max_seconds and max_rounds
+        goal : a camera (name or index) or (points, normals), both (..., 3): refine only what affects these
+        error : refine, starting at `quality`, until the certified relative error (of the goal, if there is one) is
+            below this value, 1e-4..1; `Light.certificate` holds the certificate
+        options : fields of rsv_solve_desc (solve.h): element_target, rays_per_element, refinements, light_samples,
+            photon_count, direct_levels, direct_level, solver ("auto", "gmres", ...), max_orders, tolerance, seed,
+            max_elements, max_bytes, checkpoint, earlier; with `error` also max_seconds and max_rounds
         """
         from .light import Light  # lights have scenes, too
 
@@ -231,19 +231,20 @@ class Scene(Object):
     def render(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
                error: Optional[float] = None, max_time: Optional[float] = None, layers: bool = False,
                seed: int = 0) -> Any:
-        """A picture of a scene whose light is of no further use, as `resolvent render` takes it: elements, rays and
-        samples are chosen together. `solve` once for many pictures.
+        """Renders one picture, like `resolvent render`: elements, rays and samples are chosen together. For several
+        pictures, `solve` once instead.
 
         Parameters
         ----------
-        camera : a Camera, or the name or index of one of the scene's; None = its first
-        width, height : pixels; what is not given follows from the camera's aspect, 512 the longer side
-        error : RMS error of pixels that is wanted, relative to what is around them, 0.005 to 1; default 0.07
-        max_time : the best picture that so many seconds allow, with `error` no better than that
+        camera : a Camera, or the name or index of a camera of the scene; None = the first
+        width, height : pixels; what is missing follows from the camera's aspect, with a longer side of 512
+        error : target RMS error of pixels, relative to the pixels around them, 0.005..1; default 0.07
+        max_time : the best picture possible in this many seconds, stopping early if `error` is reached
 
         Returns
         -------
-        (height, width, 3) float32, W/(sr m2); with `layers` that, and a dict of the same by order of reflection
+        (height, width, 3) float32, W/(sr m2); with `layers` a tuple of this and a dict of pictures by order of
+        reflection
         """
         desc, keep = render_desc(self, "final", camera, (width, height), layers=layers, seed=seed)
         handle = self._context.create(render_planned, "rsv_image", lib.rsv_image_destroy, None, self._pointer, ffi.NULL,
@@ -266,12 +267,12 @@ class Scene(Object):
 
     def reference(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
                   samples: int = 64, layers: bool = False, seed: int = 0, path_depth: int = 64) -> Any:
-        """The picture of the path tracer, which needs no solution.
+        """Renders a picture with the path tracer, which needs no solution.
 
         Returns
         -------
-        (height, width, 3) float32, W/(sr m2); with `layers` that, and a dict of the same by order of reflection:
-        "emission", "direct", "bounce1", ...
+        (height, width, 3) float32, W/(sr m2); with `layers` a tuple of this and a dict of pictures by order of
+        reflection: "emission", "direct", "bounce1", ...
         """
         desc, keep = render_desc(self, "reference", camera, (width, height), samples=samples, layers=layers, seed=seed,
                                  path_depth=path_depth)
@@ -289,7 +290,7 @@ class Scene(Object):
 
     def reference_irradiance(self, points: ArrayLike, normals: ArrayLike, *, samples: int = 4096, seed: int = 0,
                              return_error: bool = False) -> Any:
-        """Path-traced irradiance at points: as `Light.irradiance`, without a solution."""
+        """Path-traced irradiance at points: like `Light.irradiance`, without a solution."""
         given, shape = probes(points, normals, self.origin)
         readings = np.empty((len(given), 6), np.float32)
         self._context.call(lib.rsv_probe_reference, self._pointer, pointer("rsv_probe", given), len(given),
@@ -299,7 +300,7 @@ class Scene(Object):
 
 
 def split_readings(readings: np.ndarray, shape: Tuple[int, ...], return_error: bool) -> Any:
-    """Irradiance, and the standard error where it is wanted."""
+    """Irradiance, and with `return_error` its standard error."""
     irradiance = np.ascontiguousarray(readings[:, :3]).reshape(shape + (3,))
     return (irradiance, np.ascontiguousarray(readings[:, 3:]).reshape(shape + (3,))) if return_error else irradiance
 
@@ -309,7 +310,7 @@ def _render_reference(scene: Any, desc: Any, image: Any) -> int:
 
 
 class _Builder:
-    """Adds meshes to a scene that is not committed yet; materials and textures once, however many share them."""
+    """Adds meshes to a scene before commit. Shared materials and textures are added once."""
 
     def __init__(self, scene: Scene):
         self._context, self._scene = scene._context, scene._pointer
@@ -374,7 +375,7 @@ def _transforms(mesh: Mesh) -> np.ndarray:
 
 
 class _MeshArrays:
-    """The arrays of a mesh, checked; with colours by triangle, each corner is a vertex of its own."""
+    """The checked arrays of a mesh. With colours per triangle, each corner becomes a separate vertex."""
 
     def __init__(self, mesh: Mesh):
         where = f"mesh '{mesh.name}': "
@@ -444,11 +445,10 @@ class _MeshArrays:
 
 
 def _colors(name: str, value: Any, size: int) -> Optional[np.ndarray]:
-    """(size, 4) float32: opaque where there is no opacity."""
+    """(size, 4) float32, with an opacity of 1 if there is none."""
     if value is None:
         return None
     array = real(name, value)
     channels = array.shape[1] if array.ndim == 2 and array.shape[1] == 4 else 3
     colors = floats(name, array, (size, channels))
     return colors if channels == 4 else np.ascontiguousarray(np.c_[colors, np.ones(size, np.float32)])
-

@@ -1,4 +1,4 @@
-"""What a solve is asked for."""
+"""Options of a solve."""
 from __future__ import annotations
 
 import numbers
@@ -23,7 +23,7 @@ TARGETS = ("max_seconds", "max_rounds")
 
 
 class Wishes:
-    """A rsv_solve_desc, what it borrows, and the error that is wanted."""
+    """An rsv_solve_desc, the objects that it borrows, and the target error."""
 
     def __init__(self, scene: Scene, quality: str, goal: Any, error: Optional[float], options: Dict[str, Any]):
         self.keep: List[Any] = []

@@ -1,4 +1,4 @@
-"""What scenes are made of: plain dataclasses, with the names, units and defaults of the C structures."""
+"""Parts of scenes: plain dataclasses with the names, units and defaults of the C structures."""
 from __future__ import annotations
 
 import dataclasses
@@ -21,7 +21,7 @@ LIGHT_KINDS = ("point", "spot", "directional")
 
 
 def text(name: str, value: Any) -> bytes:
-    """A name as C takes it."""
+    """A name as a C string."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: {type(value).__name__} is not a str")
     if "\0" in value:
@@ -43,17 +43,17 @@ def _angle(name: str, value: Any, most: float) -> float:
 
 @dataclasses.dataclass
 class Texture:
-    """A picture laid on surfaces.
+    """An image on surfaces.
 
     Parameters
     ----------
-    pixels : (height, width) or (height, width, 1..4), row 0 on top; uint8 codes 0..255 stand for 0..1, floats are
+    pixels : (height, width) or (height, width, 1..4), row 0 on top; uint8 values 0..255 stand for 0..1, floats are
         linear
-    srgb : whether colour codes follow the sRGB curve; default: uint8 with three or four channels do
-    wrap : "repeat", "mirror" or "clamp", or one for each of u and v
-    nearest : seen from near, texels are squares
+    srgb : whether colour channels are sRGB; default: true for uint8 with three or four channels
+    wrap : "repeat", "mirror" or "clamp", or a pair for u and v
+    nearest : magnified texels are squares, not interpolated
     uv_set : 0 or 1
-    scale : of a normal map's x and y
+    scale : factor of a normal map's x and y
     """
 
     pixels: ArrayLike
@@ -99,11 +99,12 @@ def _plain_rgb(field: str) -> Tuple[float, float, float]:
 
 @dataclasses.dataclass
 class Material:
-    """How a surface scatters, in the terms of glTF's metallic-roughness model (docs/materials.md; the fields are those
-    of rsv_material in scene.h).
+    """A surface, described by glTF's metallic-roughness model (docs/materials.md). The fields are those of rsv_material
+    in scene.h.
 
-    Colours are linear RGB, or one number for all three; distances are metres, radiance is W/(sr m2). `textures` maps
-    what they multiply ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to a Texture.
+    Colours are linear RGB, or one number for all three; distances are in metres, radiance in W/(sr m2). `textures` maps
+    properties ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to the Texture that multiplies
+    them.
     """
 
     name: str = "material"
@@ -134,12 +135,12 @@ class Material:
 
     @classmethod
     def lambert(cls, albedo: Rgb, name: str = "lambert", emission: Rgb = 0.0) -> Material:
-        """A matt surface: reflects the share `albedo` of the light, to all sides alike."""
+        """A matt surface that reflects the fraction `albedo` of the light, equally in all directions."""
         return cls(name=name, base_color=albedo, specular=0.0, metallic=0.0, emission=emission)
 
     @classmethod
     def preset(cls, name: str) -> Material:
-        """A translucent material that was measured: "marble", "skin1", "wholemilk", ..."""
+        """A translucent material from measurements: "marble", "skin1", "wholemilk", ..."""
         struct = ffi.new("rsv_material *")
         if not lib.rsv_material_preset(text("name", name), struct):
             known = ", ".join(names_of(lib.rsv_material_preset_names()))
@@ -158,7 +159,7 @@ class Material:
         return cls(name=own if name is None else name, **values)
 
     def _described(self, textures: Dict[int, int], keep: List[Any]) -> Any:
-        """@param textures ids in the scene, by identity"""
+        """@param textures ids in the scene, by identity of the Texture"""
         struct = ffi.new("rsv_material *", lib.rsv_default_material())
         keep.append(ffi.new("char[]", text("name", self.name)))
         struct.name = keep[-1]
@@ -190,19 +191,19 @@ class Material:
 
 @dataclasses.dataclass
 class Mesh:
-    """Triangles, and what they are made of.
+    """Triangles and their materials.
 
     Parameters
     ----------
     vertices : (V, 3) metres
     triangles : (T, 3) vertex indices, counter-clockwise seen from the front; None = vertices 0, 1, 2, then 3, 4, 5, ...
     material : a Material, or a sequence of them for `triangle_materials`
-    triangle_materials : (T,) which of the materials each triangle has
+    triangle_materials : (T,) index of each triangle's material in that sequence
     normals : (V, 3) for smooth shading; None = flat
     uvs : (V, 2) texture coordinates, or two such arrays; (0, 0) is the upper left corner
-    vertex_colors, triangle_colors : (V or T, 3 or 4) linear RGB and opacity that multiply the material's
+    vertex_colors, triangle_colors : (V or T, 3 or 4) linear RGB and opacity, which multiply the material's
     tangents : (V, 4) direction of increasing u, and the sign of the bitangent
-    transforms : (4, 4) or (K, 4, 4), object to world, applied to columns; several place it as often
+    transforms : (4, 4) or (K, 4, 4), object to world, for column vectors; K transforms place K instances
     """
 
     vertices: ArrayLike
@@ -229,11 +230,11 @@ class Mesh:
 
 @dataclasses.dataclass
 class PunctualLight:
-    """A light without an area (lamps with one are materials that emit).
+    """A light without an area. (Area lights are emissive materials.)
 
-    `intensity` is in W/sr, of a directional light the irradiance at normal incidence in W/m2; `direction` is the way
-    the light travels; cone angles are half angles in radians, and the intensity of a spot is also multiplied by
-    cos^exponent. Between the cones it falls off by t^2, or with `smooth_cone` by t^2 (3 - 2 t), t being the ramp in the
+    `intensity` is in W/sr; for directional lights it is the irradiance at normal incidence, W/m2. `direction` is the
+    direction in which light travels. Cone angles are half angles in radians. The intensity of a spot is multiplied by
+    cos^exponent. Between the cones it falls off as t^2, or t^2 (3 - 2 t) with `smooth_cone`, where t is linear in the
     cosine.
     """
 
@@ -273,11 +274,11 @@ class PunctualLight:
 
 @dataclasses.dataclass
 class Camera:
-    """A camera at `position` that looks at `target`, y up; `vertical_fov` in radians; `aspect` is width / height,
-    0 = any.
+    """A camera at `position` that looks at `target`, with y up. `vertical_fov` is in radians; `aspect` is
+    width / height, 0 = any.
 
-    Cameras of files may be turned about their axis, or orthographic: `up` and `vertical_extent` (half the height of the
-    view in metres, with a `vertical_fov` of 0) say so.
+    For cameras that are rotated about their axis, set `up`. For orthographic cameras, set `vertical_fov` to 0 and
+    `vertical_extent` to half the height of the view in metres.
     """
 
     position: Vec3
@@ -322,11 +323,12 @@ class Camera:
 
 @dataclasses.dataclass
 class Fog:
-    """A participating medium between surfaces: it absorbs, scatters and emits (rsv_fog in scene.h).
+    """A participating medium between surfaces, which absorbs, scatters and emits (rsv_fog in scene.h).
 
-    `extinction` is in 1/m and `emission` in W/(sr m3), both at `base_height` (y in metres) and below; above, they fall
-    to 1/e over `scale_height` metres. `albedo` is that of single scattering, `anisotropy` the mean cosine of Henyey and
-    Greenstein's phase function. `bounds`, (2, 3) metres, is the box that it fills; None = all that there is.
+    `extinction` is in 1/m and `emission` in W/(sr m3), both at `base_height` (y in metres) and below. Above it, they
+    fall to 1/e over `scale_height` metres. `albedo` is that of single scattering, `anisotropy` the mean cosine of the
+    Henyey-Greenstein phase function. `bounds`, (2, 3) metres, is the box that the fog fills; None = chosen
+    automatically.
     """
 
     extinction: Rgb
@@ -357,9 +359,9 @@ class Fog:
 class Environment:
     """Light from infinitely far away.
 
-    `source` is (height, width, 3) radiance as a latitude-longitude picture, W/(sr m2), row 0 on top
-    (docs/conventions.md); or a path of .hdr or .exr; or "sky" or "white". `intensity` multiplies it; `rotation` turns
-    it about +y, in degrees, counter-clockwise from above.
+    `source` is a latitude-longitude image of radiance, (height, width, 3) W/(sr m2), row 0 on top
+    (docs/conventions.md); or the path of an .hdr or .exr file; or "sky" or "white". `intensity` multiplies it.
+    `rotation` is about +y, in degrees, counter-clockwise from above.
     """
 
     source: Any

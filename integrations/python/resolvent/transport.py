@@ -20,15 +20,15 @@ _FACTORS = {"interpolation": lib.RSV_FACTOR_INTERPOLATION, "propagation": lib.RS
 
 
 class Operator(Object):
-    """Which share of the irradiance at each of N elements arrives at every other one after one reflection.
+    """The fraction of the irradiance at each of N elements that arrives at each other one after one reflection.
 
-    Fields are (N, 3) W/m2, one value for each element and colour channel. The solution of a light is
-    E = E0 + G K E. With A = diag(albedo),
+    Fields are (N, 3) W/m2, one value for each element and colour channel. A light satisfies E = E0 + G K E.
+    With A = diag(albedo),
 
         G K = C G A C S M C
 
-    C interpolates elements that hang; S and M diffuse light below translucent surfaces, and are the unit matrix where
-    there are none. Channels do not mix.
+    C interpolates hanging elements. S and M diffuse light below translucent surfaces; without any, they are the
+    identity. Channels do not mix.
     """
 
     _made_by = "Light.operator"
@@ -43,11 +43,11 @@ class Operator(Object):
     def __repr__(self) -> str:
         return f"<resolvent.Operator: {self.element_count} elements>"
 
-    # ---- its elements ------------------------------------------------------------------------------
+    # ---- elements ----------------------------------------------------------------------------------
 
     @property
     def element_count(self) -> int:
-        """N."""
+        """Number of elements, N."""
         return lib.rsv_operator_element_count(self._pointer)
 
     @functools.cached_property
@@ -66,27 +66,27 @@ class Operator(Object):
 
     @property
     def positions(self) -> np.ndarray:
-        """(N, 3) metres."""
+        """(N, 3) metres: positions of the elements' nodes."""
         return self._scene._placed(np.ascontiguousarray(self._elements["position"]))
 
     @property
     def normals(self) -> np.ndarray:
-        """(N, 3) unit."""
+        """(N, 3) unit normals."""
         return np.ascontiguousarray(self._elements["normal"])
 
     @property
     def areas(self) -> np.ndarray:
-        """(N,) m2: the integral of each element's hat function; 0 where it hangs."""
+        """(N,) m2: integral of each element's hat function; 0 for hanging elements."""
         return np.ascontiguousarray(self._elements["area"])
 
     @property
     def albedo(self) -> np.ndarray:
-        """(N, 3): exitance over irradiance."""
+        """(N, 3): exitance / irradiance."""
         return np.ascontiguousarray(self._elements["albedo"])
 
     @property
     def triangles(self) -> np.ndarray:
-        """(N,) one of the scene's triangles around each element."""
+        """(N,) a triangle of the scene at each element."""
         return np.ascontiguousarray(self._elements["triangle"])
 
     @property
@@ -100,9 +100,9 @@ class Operator(Object):
         return np.ascontiguousarray(self._elements["back_side"])
 
     def interpolation(self, points: ArrayLike, normals: ArrayLike) -> sparse.csr_matrix:
-        """The (M, N) float32 matrix W with which ``W @ field`` is the field at points, as mode "lookup" finds them.
+        """The (M, N) float32 matrix W such that ``W @ field`` is the field at points, as in mode "lookup".
 
-        points, normals : (..., 3), M points in C order. Rows are 0 where the surface does not reflect diffusely.
+        points, normals : (..., 3), M points in C order. Rows are 0 on surfaces that do not reflect diffusely.
         """
         from scipy import sparse
 
@@ -115,7 +115,7 @@ class Operator(Object):
         places = row, element[row, corner].astype(np.int64)
         return sparse.csr_matrix((weight[row, corner], places), (len(given), self.element_count))
 
-    # ---- applied by the library --------------------------------------------------------------------
+    # ---- application -------------------------------------------------------------------------------
 
     def _applied(self, function: Callable[..., int], field: ArrayLike) -> np.ndarray:
         given = floats("field", field, (self.element_count, 3))
@@ -124,11 +124,11 @@ class Operator(Object):
         return image
 
     def apply(self, field: ArrayLike) -> np.ndarray:
-        """G K field: (N, 3) -> (N, 3) float32. Values of elements that hang do not matter."""
+        """G K field: (N, 3) -> (N, 3) float32. Values of hanging elements are ignored."""
         return self._applied(lib.rsv_operator_apply, field)
 
     def apply_transpose(self, field: ArrayLike) -> np.ndarray:
-        """(G K)^T field: (N, 3) -> (N, 3) float32. Sorts the entries by columns each time; `matrix` keeps them."""
+        """(G K)^T field: (N, 3) -> (N, 3) float32. Sorts the entries by column on each call; `matrix` avoids this."""
         return self._applied(lib.rsv_operator_apply_transpose, field)
 
     def norm(self) -> float:
@@ -137,10 +137,10 @@ class Operator(Object):
         self._context.call(lib.rsv_operator_norm, self._pointer, out)
         return out[0]
 
-    # ---- as matrices -------------------------------------------------------------------------------
+    # ---- matrices ----------------------------------------------------------------------------------
 
     def factor(self, name: str, channel: int = 0) -> sparse.csr_matrix:
-        """One of "interpolation" (C), "propagation" (G), "subsurface" (S) and "clusters" (M), float64."""
+        """A factor of G K: "interpolation" (C), "propagation" (G), "subsurface" (S) or "clusters" (M); float64."""
         if name not in _FACTORS:
             raise ValueError(f"name: there is no factor '{name}'; there are {', '.join(_FACTORS)}")
         key = (name, count("channel", channel, 2))
@@ -165,7 +165,7 @@ class Operator(Object):
         return matrix
 
     def _chain(self, channel: int) -> Tuple[Any, ...]:
-        """Factors of G K from the left, as short as it may be."""
+        """Factors of G K from left to right, without those that are the identity."""
         from scipy import sparse
 
         c, g = self.factor("interpolation", channel), self.factor("propagation", channel)
@@ -177,7 +177,7 @@ class Operator(Object):
         return c, g, a, c, s, m, c
 
     def matrix(self, channel: int = 0) -> sparse.csr_matrix:
-        """G K of one channel (0 red, 1 green, 2 blue), (N, N) float64. Of large translucent bodies it is dense."""
+        """G K of one channel (0 red, 1 green, 2 blue), (N, N) float64. Large translucent bodies make it dense."""
         key = ("", count("channel", channel, 2))
         if key not in self._known:
             product = functools.reduce(lambda left, right: left @ right, self._chain(channel))
@@ -187,7 +187,7 @@ class Operator(Object):
     def linear_operator(self, channel: Optional[int] = None) -> LinearOperator:
         """G K as a scipy LinearOperator, with its adjoint (`rmatvec`).
 
-        channel : one of them, (N, N); None = all three, (3 N, 3 N), on ``field.ravel()`` of (N, 3)
+        channel : 0, 1 or 2, (N, N); None = all three, (3 N, 3 N), acting on ``field.ravel()`` of (N, 3)
         """
         from scipy.sparse.linalg import LinearOperator
 
@@ -201,16 +201,16 @@ class Operator(Object):
         return LinearOperator((n * width, n * width), matvec=functools.partial(by_channel, _multiply),
                               rmatvec=functools.partial(by_channel, _multiply_transposed), dtype=np.float64)
 
-    # ---- solved ------------------------------------------------------------------------------------
+    # ---- solving -----------------------------------------------------------------------------------
 
     def solve(self, source: ArrayLike, tolerance: float = 1e-8) -> np.ndarray:
-        """E = source + G K E: (N, 3) -> (N, 3) float64, with a residual below that share of the source."""
+        """Solves E = source + G K E: (N, 3) -> (N, 3) float64. `tolerance` is the residual relative to the source."""
         return self._solved(source, tolerance, _multiply, "source")
 
     def solve_adjoint(self, importance: ArrayLike, tolerance: float = 1e-8) -> np.ndarray:
-        """z = importance + (G K)^T z: what light that starts at each element counts for, after all reflections.
+        """Solves z = importance + (G K)^T z: the effect of light that starts at each element, after all reflections.
 
-        So ``(importance * solve(source)).sum()`` is ``(solve_adjoint(importance) * source).sum()``.
+        ``(importance * solve(source)).sum()`` equals ``(solve_adjoint(importance) * source).sum()``.
         """
         return self._solved(importance, tolerance, _multiply_transposed, "importance")
 
@@ -249,7 +249,7 @@ def _multiply_transposed(chain: Tuple[Any, ...], x: np.ndarray) -> np.ndarray:
 
 
 def _krylov(multiply: Callable[[np.ndarray], np.ndarray], right: np.ndarray, tolerance: float) -> np.ndarray:
-    """x = right + A x by GMRES, restarted until the true residual is small enough."""
+    """Solves x = right + A x by GMRES, restarted until the true residual is small enough."""
     from scipy.sparse.linalg import LinearOperator, gmres
 
     size = np.linalg.norm(right)
