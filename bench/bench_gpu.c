@@ -154,7 +154,7 @@ void cli_print_gpu(const cJSON *result)
     printf("| application of the operator, %.4g MB | %.4g us | |\n",
         1e-6 * cli_json_number(result, "application_bytes"),
         1e6 * cli_json_number(result, "application_seconds"));
-    printf("| the same, of the copy's rate | %.3g %% | 60 %% |\n",
+    printf("| the same, relative to the copy | %.3g %% | 60 %% |\n",
         100 * cli_json_number(result, "application_over_copy"));
     cJSON_ArrayForEach(solver, cJSON_GetObjectItem(result, "solvers"))
     {
@@ -164,9 +164,9 @@ void cli_print_gpu(const cJSON *result)
     }
     printf("| %d receivers relit, %d lights | %.4g ms | 1 ms |\n", RECEIVERS, LIGHTS,
         1e3 * cli_json_number(result, "relight_seconds"));
-    printf("| rays of rows, with all that assembly does | %.4g M/s | 400 M/s |\n",
+    printf("| rays of rows, including all of assembly | %.4g M/s | 400 M/s |\n",
         1e-6 * cli_json_number(result, "row_rays_per_second"));
-    printf("| shadow rays of direct light, with all that it does | %.4g M/s | |\n",
+    printf("| shadow rays of direct light, including all other work | %.4g M/s | |\n",
         1e-6 * cli_json_number(result, "shadow_rays_per_second"));
     printf("| frames of %.0fx%.0f | %.4g/s | 1000/s; 500/s with glass spheres |\n\n",
         cli_json_number(result, "frame_width"), cli_json_number(result, "frame_height"),

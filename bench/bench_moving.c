@@ -181,7 +181,10 @@ static void add_lags(const stage *s, const readings *r, cJSON *result)
         for (uint32_t k = lag; k < s->frame_count; k++, count++)
             sum += difference(r->followed[k - lag], r->whole[k]);
         snprintf(name, sizeof name, "lag_%u", lag);
-        cJSON_AddNumberToObject(result, name, count ? sum / count : NAN);
+        if (count)
+            cJSON_AddNumberToObject(result, name, sum / count);
+        else
+            cJSON_AddNullToObject(result, name);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "output_file.h"
 
 #include <cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -20,7 +21,10 @@ bool cli_write_columns(
     {
         fprintf(csv, "\n%s", cJSON_GetStringValue(cJSON_GetObjectItem(row, "scene")));
         for (size_t i = 0; i < column_count; i++)
-            fprintf(csv, ",%.6g", cli_json_number(row, columns[i]));
+            if (isfinite(cli_json_number(row, columns[i])))
+                fprintf(csv, ",%.6g", cli_json_number(row, columns[i]));
+            else
+                fputc(',', csv); // not measured
     }
     fputc('\n', csv);
     bool written = fclose(csv) == 0 && cli_write_file(path, text, length);

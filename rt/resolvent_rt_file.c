@@ -287,7 +287,7 @@ int rsv_rt_file_receivers(
     const char *name = "receiver.element";
     memset(receivers, 0, sizeof *receivers);
     if (!has(file, name))
-        return fail(file, "it says nothing of receivers; `resolvent bake --operator` writes them");
+        return fail(file, "it has no receivers; `resolvent bake --operator` writes them");
     uint32_t count = extent(file, name, 0);
     receivers->element = sized(file, name, "U32", 3 * (uint64_t)count);
     receivers->weight = sized(file, "receiver.weight", "F32", 3 * (uint64_t)count);
@@ -417,7 +417,7 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     if (!basis->value) return -1;
     if (basis->value_count && (uint32_t)cJSON_GetArraySize(light_names(file)) == basis->light_count)
         return 0;
-    return fail(file, "it names other lights than it holds");
+    return fail(file, "the number of light names is not the number of lights");
 }
 
 int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_probe_grid *grid)

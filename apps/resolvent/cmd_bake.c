@@ -318,7 +318,7 @@ static int run(cli_session *session, settings *s)
     session->moment = s->moment;
     session->reading = s->reading;
     session->max_bytes = s->solve.max_bytes;
-    session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
+    session->keep_document = true; // .glb files are written anew, others keep what it says of itself
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);
     cli_close_subject(&subject);

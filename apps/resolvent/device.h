@@ -19,7 +19,7 @@ extern const char *const cli_device_names[];
         .name = "--device", .kind = CLI_CHOICE, .value = (choice), .choices = cli_device_names     \
     }
 #define CLI_DEVICE_HELP                                                                            \
-    "  --device D         cpu (default); cuda: an NVIDIA GPU, for what it supports (docs/gpu.md); auto:\n"\
+    "  --device D         cpu (default); cuda: an NVIDIA GPU, where supported (docs/gpu.md); auto:\n"\
     "                     the GPU if there is a suitable one; emulated: the GPU code on the CPU\n"
 
 /// Opens the device for the sessions that follow. @return false after a message

@@ -2,7 +2,9 @@
 #include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
 #include "../render/probe_grid.h"
+#include "../scene/document.h"
 #include "bake_basis.h"
+#include "bake_document.h"
 #include "bake_target.h"
 
 #include <cjson/cJSON.h>
@@ -39,12 +41,27 @@ static rsv_status write_bytes(
     return status;
 }
 
+/// What the scene's file says of itself: `asset`, with its extras, and packets of XMP metadata.
+static rsv_status add_metadata(const rsv_scene *scene, cJSON *root)
+{
+    rsv_bake_document d;
+    if (!rsv_scene_find_document(scene)) return RSV_OK;
+    rsv_status status = rsv_bake_document_open(scene, &d);
+    if (status != RSV_OK) return status;
+    cJSON *asset = cJSON_DetachItemFromObjectCaseSensitive(d.root, "asset");
+    cJSON *extensions = cJSON_GetObjectItemCaseSensitive(d.root, "extensions");
+    cJSON *packets = cJSON_DetachItemFromObjectCaseSensitive(extensions, "KHR_xmp_json_ld");
+    if (asset) cJSON_AddItemToObject(root, "asset", asset);
+    if (packets) cJSON_AddItemToObject(root, "KHR_xmp_json_ld", packets);
+    rsv_bake_document_close(&d);
+    return RSV_OK;
+}
+
 /// The description, as JSON; free with cJSON_free. NULL on exhaustion.
-static char *describe(const rsv_probe_grid *g, const char *data_name)
+static char *describe(const rsv_probe_grid *g, const char *data_name, cJSON *root)
 {
     size_t bytes = g->count * sizeof *g->coefficient;
     const double *from = g->solution->scene.view->origin;
-    cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "format", "resolvent-probes");
     cJSON_AddNumberToObject(root, "format_version", 1);
     cJSON_AddStringToObject(root, "units", "W/(sr m2), linear RGB; metres, y up");
@@ -63,9 +80,7 @@ static char *describe(const rsv_probe_grid *g, const char *data_name)
     cJSON_AddNumberToObject(valid, "byteOffset", (double)bytes);
     cJSON_AddNumberToObject(valid, "byteLength", (double)g->count);
     cJSON_AddStringToObject(valid, "type", "U8");
-    char *text = cJSON_Print(root);
-    cJSON_Delete(root);
-    return text;
+    return cJSON_Print(root);
 }
 
 /// "room.json" and "room.probes.bin": a buffer of the scene may well be called room.bin.
@@ -74,11 +89,16 @@ static rsv_status write_files(const rsv_probe_grid *g, const char *output)
     char path[RSV_PATH_BYTES];
     const char *slash = strrchr(output, '/');
     snprintf(path, sizeof path, "%.*s.probes.bin", (int)(strlen(output) - strlen(".json")), output);
-    char *text = describe(g, path + (slash ? slash + 1 - output : 0));
+    cJSON *root = cJSON_CreateObject();
+    char *text = NULL;
+    rsv_status status = add_metadata(g->solution->scene.scene, root);
+    if (status == RSV_OK) text = describe(g, path + (slash ? slash + 1 - output : 0), root);
+    cJSON_Delete(root);
+    if (status != RSV_OK) return status;
     if (!text) return rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing it", output);
     const void *const parts[] = { g->coefficient, g->valid };
     const size_t bytes[] = { g->count * sizeof *g->coefficient, g->count };
-    rsv_status status = write_bytes(path, parts, bytes, 2);
+    status = write_bytes(path, parts, bytes, 2);
     if (status == RSV_OK)
         status = write_bytes(output, (const void *[]){ text }, (size_t[]){ strlen(text) }, 1);
     cJSON_free(text);

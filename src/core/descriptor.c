@@ -37,8 +37,8 @@ rsv_status rsv_desc_read(void *settings, const void *given, const char *type)
             type + strlen("rsv_"), type);
     if (size > known && !is_zero((const unsigned char *)given + known, size - known))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "%s sets what this version of the library, %s, does not know: use a later one", type,
-            RSV_VERSION_STRING);
+            "%s sets members that version %s of the library does not have: use a later version",
+            type, RSV_VERSION_STRING);
     memcpy(settings, given, size < known ? size : known);
     memcpy(settings, &known, sizeof known);
     return RSV_OK;

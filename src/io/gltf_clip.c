@@ -112,7 +112,7 @@ static rsv_status check_sampler(const reading *r, int sampler)
             r->animation->name, sampler);
     if (r->animation->sampler[sampler].interpolation == RSV_GLTF_OTHER_INTERPOLATION)
         return rsv_fail(RSV_ERROR_FORMAT,
-            "animation '%s': the interpolation of sampler %d is none of LINEAR, STEP and "
+            "animation '%s': the interpolation of sampler %d is not LINEAR, STEP or "
             "CUBICSPLINE",
             r->animation->name, sampler);
     return RSV_OK;

@@ -428,7 +428,7 @@ static void name_groups(const reader *r)
             "are shown where they are",
             stiff.count, stiff.first);
     if (loose.count)
-        rsv_log(r->context, RSV_LOG_WARNING, "%zu nodes (first: '%s') have instances of no mesh",
+        rsv_log(r->context, RSV_LOG_WARNING, "%zu nodes (first: '%s') have instances but no mesh",
             loose.count, loose.first);
 }
 

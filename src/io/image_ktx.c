@@ -79,9 +79,9 @@ static rsv_status find_format(ktx *k)
         if (formats[i].number == number) k->format = &formats[i];
     if (number == 0 || k->packing == BASIS_LZ)
         return refuse(k, RSV_ERROR_UNSUPPORTED,
-            "its texels are compressed by Basis Universal, which is not supported; export PNG, "
-            "JPEG or "
-            "WebP");
+            "its texels are compressed by Basis Universal, which is not supported; convert it with "
+            "`ktx extract --transcode rgba8 FILE.ktx2 FILE.png` (KTX-Software), or export PNG, JPEG "
+            "or WebP");
     if (k->format) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
         "cannot read '%s': its texels have Vulkan's format %u, which is not supported (8 or 16 "

@@ -18,7 +18,7 @@ bool rsv_image_is_webp(const rsv_image_file *file)
 static rsv_status fail_webp(const rsv_image_file *file, VP8StatusCode code)
 {
     const char *why = code == VP8_STATUS_NOT_ENOUGH_DATA ? "the file is truncated"
-                      : code == VP8_STATUS_OUT_OF_MEMORY ? "more than memory holds"
+                      : code == VP8_STATUS_OUT_OF_MEMORY ? "out of memory"
                       : code == VP8_STATUS_UNSUPPORTED_FEATURE
                           ? "a kind of WebP that is not supported"
                           : "its WebP data are damaged";
@@ -30,7 +30,7 @@ rsv_status rsv_image_decode_webp(const rsv_image_file *file, rsv_image_codes *co
 {
     WebPDecoderConfig config;
     if (!WebPInitDecoderConfig(&config))
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "libwebp is of another version");
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "the installed libwebp has an incompatible version");
     VP8StatusCode code = WebPGetFeatures(file->bytes, file->size, &config.input);
     if (code != VP8_STATUS_OK) return fail_webp(file, code);
     if (config.input.has_animation)

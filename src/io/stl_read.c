@@ -332,7 +332,7 @@ static rsv_status read_text(stl_reader *r)
             r->path);
     if (r->unknown_line)
         rsv_log(r->context, RSV_LOG_WARNING,
-            "%s: what follows '%s' in line %zu, and whatever else STL does not know, is not used",
+            "%s: '%s' in line %zu is not an STL keyword; this line and any others like it are ignored",
             r->path, r->unknown, r->unknown_line);
 cleanup:
     return status;

@@ -248,7 +248,7 @@ rsv_status rsv_light_mix_create(
     bool is_solved = settings.mode == RSV_RENDER_FINAL || settings.mode == RSV_RENDER_OPERATOR;
     if (!is_solved || settings.layers)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "light mix: pictures are of modes final and operator, without layers");
+            "light mix: only modes final and operator are supported, and no layers");
     rsv_light_mix *m = rsv_alloc(r->context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;
     *m = (rsv_light_mix){

@@ -90,7 +90,7 @@ static void warn_of_rest(rsv_luminaire_text *t)
     t->rest += strspn(t->rest, blank);
     if (!*t->rest) return;
     rsv_log(t->context, RSV_LOG_WARNING,
-        "%s:%zu: what follows the last intensity is ignored; are the numbers of angles right?",
+        "%s:%zu: text after the last intensity is ignored; are the numbers of angles right?",
         t->path, rsv_luminaire_line_number(t));
 }
 

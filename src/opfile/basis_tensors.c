@@ -95,7 +95,8 @@ static rsv_status check_standing(
         RSV_TRY(rsv_check_numbers(file, "scale", &row[k].scale.r, 3, 0));
         RSV_TRY(rsv_check_numbers(file, "strength", &row[k].strength.r, 3, 0));
         if (place == SIZE_MAX || taken[place])
-            RSV_TRY(rsv_tensor_fail(file, "index", "names no source of the scene, or one twice"));
+            RSV_TRY(rsv_tensor_fail(
+                file, "index", "names a source that the scene lacks, or one twice"));
         taken[place] = true;
     }
 cleanup:

@@ -171,6 +171,10 @@ static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_light 
     RSV_TRY(rsv_world_create(*scene, &world));
     RSV_TRY(rsv_read_solution(file, world, solution));
     RSV_TRY(rsv_read_basis(file, *solution));
+    const rsv_light_view *light = rsv_light_get_view(*solution);
+    // what is switched off can be switched on again
+    if (!light->basis || !rsv_light_basis_is_scaled(light->basis))
+        rsv_lights_warn_if_dark(light->lights);
 cleanup:
     rsv_world_release(world);
     return status;

@@ -361,7 +361,7 @@ static rsv_status read_texels(scene_reader *r, size_t index)
     bool sound = tensor && tensor->rank == 3 && (is_linear || tensor->type == RSV_TENSOR_F32);
     for (int k = 0; sound && k < 3; k++)
         sound = tensor->shape[k] >= 1 && tensor->shape[k] <= RSV_TEXTURE_MAX_SIDE;
-    if (!sound) return rsv_tensor_fail(r->file, name, "is no texture");
+    if (!sound) return rsv_tensor_fail(r->file, name, "is not a valid texture");
     rsv_texture_parts *parts = &r->texture[index];
     parts->desc = r->desc[index];
     parts->desc.size = sizeof parts->desc;
@@ -400,7 +400,7 @@ static rsv_status read_environment(scene_reader *r)
     if (radiance->type != RSV_TENSOR_F32 || radiance->rank != 3 || radiance->shape[2] != 3 ||
         radiance->shape[0] > RSV_ENVIRONMENT_MAX_PIXELS ||
         radiance->shape[1] > RSV_ENVIRONMENT_MAX_PIXELS)
-        return rsv_tensor_fail(r->file, "radiance", "is no picture");
+        return rsv_tensor_fail(r->file, "radiance", "is not a valid picture");
     RSV_TRY(READ_TABLE(r->file, environment_columns, r->environment, &one));
     RSV_TRY(READ_NAMES(r->file, "scene.environment.name", r->environment, 1, &r->list[SKY_NAME]));
     r->environment->pixels = radiance->data;

@@ -255,7 +255,7 @@ static rsv_status exchange_goal_points(rsv_tensor_file *file, parts *p)
     p->desc.goal_points = p->goal_points;
     p->desc.goal_point_count = count;
     if (rsv_check_probes(p->goal_points, count) != RSV_OK)
-        RSV_TRY(rsv_tensor_fail(file, "goal_points", "holds what is no receiver"));
+        RSV_TRY(rsv_tensor_fail(file, "goal_points", "contains an invalid receiver"));
 cleanup:
     return status;
 }

@@ -195,6 +195,7 @@ rsv_status rsv_check_numbers(
 {
     for (size_t k = 0; k < count; k++)
         if (!(fabsf(number[k]) <= LARGEST_NUMBER && number[k] >= least))
-            return rsv_tensor_fail(file, name, "holds %g as its number %zu", number[k], k);
+            return rsv_tensor_fail(
+                file, name, "has the invalid value %g at index %zu", number[k], k);
     return RSV_OK;
 }

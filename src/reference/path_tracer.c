@@ -58,6 +58,7 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, bool connected, rsv_pa
     tracer->scene = rsv_scene_get_view(scene);
     RSV_TRY(create_bsdfs(tracer));
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
+    rsv_lights_warn_if_dark(tracer->lights);
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
     tracer->media = rsv_media_of(tracer->scene, tracer->tracer, tracer->bsdf);
     tracer->fog = tracer->scene->fog;

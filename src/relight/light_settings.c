@@ -118,9 +118,8 @@ static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_s
         (rsv_is_gathered(home->lights, source->index) ||
             rsv_emission_share(home->lights, source->index) > RSV_MOVABLE_SHARE))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "relight: lamp '%s' fills much of the view, and what it hides is part of the operator; "
-            "move it in the "
-            "scene and solve the scene again",
+            "relight: lamp '%s' fills much of the view, so the operator depends on its place; move it "
+            "in the scene and solve the scene again",
             source->name);
     return RSV_OK;
 }

@@ -243,8 +243,10 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
         RSV_TRY(rsv_light_follow_places(r->light));
     else if (kind == RSV_RELIGHTER_STRENGTHS && same_color(environment_scale, r->environment_scale))
         RSV_TRY(rsv_light_follow_strengths(r->light, &followed));
-    if (kind != RSV_RELIGHTER_PLACES && !followed)
+    if (kind != RSV_RELIGHTER_PLACES && !followed) {
         RSV_TRY(rsv_light_find_sources(r->light, r->sources->lights));
+        rsv_lights_warn_if_dark(rsv_light_get_view(r->light)->lights);
+    }
     RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
     memcpy(r->basis->scale, r->now.scale, r->basis->source_count * sizeof *r->now.scale);
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)

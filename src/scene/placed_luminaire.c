@@ -156,8 +156,7 @@ rsv_status rsv_scene_place_luminaire(
     if (!count) status = add_at_objects(scene, name, &shape, &count);
     if (status == RSV_OK && !count)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "luminaire: neither a light nor an object is called '%.200s'; `resolvent info` lists "
-            "them",
+            "luminaire: there is no light or object named '%.200s'; `resolvent info` lists them",
             name);
     return status;
 }

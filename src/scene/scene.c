@@ -436,8 +436,8 @@ static rsv_status check_light(
     const rsv_scene *scene, const rsv_punctual_light *light, const char *name)
 {
     if (!rsv_punctual_kind(light->kind).name)
-        return rsv_fail(RSV_ERROR_ARGUMENT,
-            "light '%s': kind %d is none of rsv_punctual_light_kind", name, (int)light->kind);
+        return rsv_fail(RSV_ERROR_ARGUMENT, "light '%s': %d is not an rsv_punctual_light_kind",
+            name, (int)light->kind);
     if (!finite3(light->position) || !finite3(light->direction) || !isfinite(light->exponent) ||
         light->exponent < 0)
         return rsv_fail(

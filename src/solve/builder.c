@@ -367,6 +367,7 @@ static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_
     b->scene = b->world->scene;
     b->scene.update = &b->update;
     RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
+    rsv_lights_warn_if_dark(b->sources->lights);
     if (b->scene.view->fog) b->scene.fog_lights = &b->sources->fog_lights;
 cleanup:
     return status;

@@ -73,8 +73,10 @@ static rsv_status move_world(motion *m, const rsv_scene *version)
     m->shafts = (rsv_light_shafts){ .change = &m->change,
         .all_light_changed =
             m->begins || m->difference.lights_moved || moves_emitter(m) || s->scene.media.bodies };
-    if (m->difference.lights_moved || moves_emitter(m))
+    if (m->difference.lights_moved || moves_emitter(m)) {
         RSV_TRY(rsv_light_find_sources(s, s->sources->lights));
+        rsv_lights_warn_if_dark(s->sources->lights);
+    }
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
 cleanup:
     return status;

@@ -136,7 +136,7 @@ static void list_punctual(rsv_lights *lights)
         lights->extended |= rsv_punctual_is_extended(&scene->light[lights->punctual[k]]);
 }
 
-static void warn_if_dark(const rsv_lights *lights)
+void rsv_lights_warn_if_dark(const rsv_lights *lights)
 {
     bool lit = lights->emitter_count > 0 || lights->punctual_count > 0;
     lit = lit || (lights->environment && lights->environment->sampler.flux > 0);
@@ -177,7 +177,6 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     list_punctual(created);
     RSV_TRY(rsv_lights_plant_trees(created));
     RSV_TRY(rsv_environment_light_create(scene, &created->environment));
-    warn_if_dark(created);
     *lights = created;
     created = NULL;
 cleanup:

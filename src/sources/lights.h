@@ -70,9 +70,12 @@ typedef struct rsv_lights {
     rsv_environment_light *environment; ///< NULL = black surroundings
 } rsv_lights;
 
-/// The environment stays undivided. Warns if nothing emits.
+/// The environment stays undivided.
 /// @param bsdf [material_count], borrowed
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
+
+/// Warns if nothing emits.
+void rsv_lights_warn_if_dark(const rsv_lights *lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
 /// Takes over where sources stand after some were moved, nothing else having changed.

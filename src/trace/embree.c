@@ -236,7 +236,8 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;
-    if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
+    if (!vertices)
+        return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for moving surfaces");
     rsv_bvh_destroy(&tracer->head.hierarchy->bvh);
     place_apart(tracer, vertices);
     rsv_tracer_head_find_twins(&tracer->head);

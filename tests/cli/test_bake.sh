@@ -35,6 +35,8 @@ g["extensions"] = {**g.get("extensions", {}), "ACME_unknown": {"answer": 42.125,
 g["nodes"][0]["extras"] = {"designer": "J. D\u00f6", "tags": ["a", "b"]}
 g["materials"][0]["extras"] = {"price": 1e-7}
 g["scenes"][0]["name"] = "room"
+g["asset"]["extras"] = {"licence": "CC0"}
+g["extensions"]["KHR_xmp_json_ld"] = {"packets": [{"@context": {}, "dc:title": "box"}]}
 open("kept.bin", "wb").write(binary)
 json.dump(g, open("kept.gltf", "w"))
 TEXT
@@ -46,12 +48,21 @@ raw = open(sys.argv[1], "rb").read()
 after = json.loads(raw[20:20 + struct.unpack("<I", raw[12:16])[0]])
 for key in "animations", "nodes", "scenes", "materials", "cameras", "extensions", "extensionsUsed":
     assert before.get(key) == after.get(key), key
+assert after["asset"]["extras"]["licence"] == "CC0"
 old = len(before["accessors"])
 assert before["accessors"] == after["accessors"][:old]
 assert before["asset"]["version"] == after["asset"]["version"]
 assert after["buffers"][0]["name"] == "all" and "uri" not in after["buffers"][0]
 TEXT
 rm -f "$out"/*
+# what a file says of itself stays with its probes
+succeeds bake kept.gltf -o kept.json --to probes --quality draft --max-elements 300 --spacing 1
+python3 - <<'TEXT' || complain "probes lost the metadata of the file"
+import json
+before, after = json.load(open("kept.gltf")), json.load(open("kept.json"))
+assert after["asset"] == before["asset"]
+assert after["KHR_xmp_json_ld"] == before["extensions"]["KHR_xmp_json_ld"]
+TEXT
 
 # colours that vertices had stay beside the light, alpha too; what carries light is marked, what keeps its own colours is not
 python3 "$here/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"

@@ -115,7 +115,7 @@ assert abs(float(found[7]) / 683 - 1) < 0.01, found
 PYTHON
 refuses 2 'OUT.csv is missing' glare open.gltf --observers eye.csv
 refuses 1 'cannot be turned' relight room.safetensors --aim bulb=0,0,0 -o "$out/a.png"
-refuses 1 "neither a light nor an object is called 'lamp'" render room.gltf -o "$out/a.png" --luminaire lamp=lamp.ies
+refuses 1 "there is no light or object named 'lamp'" render room.gltf -o "$out/a.png" --luminaire lamp=lamp.ies
 refuses 1 'NAME=FILE' render room.gltf -o "$out/a.png" --luminaire lamp
 refuses 1 'is it really IES LM-63' render room.gltf -o "$out/a.png" --luminaire hook=below.csv
 refuses 1 'luminaire' render room.safetensors -o "$out/a.png" --luminaire hook=lamp.ies

@@ -96,5 +96,5 @@ refuses 1 'bad.ies:6: an intensity is missing' info bad.ies
 refuses 1 'bad.ies:1: there is no line TILT=; add TILT=NONE' info bad.ies
 { cat lamp.ies; echo 5 6; } >bad.ies
 "$program" info bad.ies >/dev/null 2>log || complain "numbers too many are no error"
-grep -q 'follows the last intensity is ignored' log || complain "numbers too many are told of"
+grep -q 'after the last intensity is ignored' log || complain "numbers too many are told of"
 finish

@@ -16,6 +16,14 @@ succeeds render thrice.safetensors -o again.exr "${box[@]}"
 cmp -s thrice.exr again.exr || complain "the file that was kept gives another picture"
 succeeds relight box.safetensors --light light=1,1,0,0 --albedo white=0.2,0.2,0.2 -o red.exr "${box[@]}"
 
+# lights that a file keeps switched off can be switched on again, and nothing is said of the dark between
+succeeds relight box.safetensors --light light=0 -o dark.safetensors
+warns 'no light'
+succeeds relight dark.safetensors --light light=1 -o lit.exr "${box[@]}"
+! grep -q 'no light' stderr || complain "a light that is switched on is said to be missing"
+succeeds compare once.exr lit.exr
+says '^mean_ratio *1.0000'
+
 # a lamp that is moved out of the box through its ceiling leaves it dark
 succeeds relight box.safetensors --move light=0,0.2,0 -o moved.exr "${box[@]}"
 succeeds compare once.exr moved.exr

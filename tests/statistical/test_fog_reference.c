@@ -449,7 +449,6 @@ static void fluence_beside_the_axis(const world *w, float r, estimate found[3])
 
 /// Fluence at distance r from an isotropic point source of one watt in infinite fog of extinction 1 (Case and Zweifel
 /// 1967): a discrete mode, the solution of the diffusion equation, and a continuum.
-
 static double exact_fluence(double omega, double r)
 {
     double low = 0, high = 1 - 1e-15;

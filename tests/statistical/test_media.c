@@ -1,5 +1,5 @@
-/// What lies inside solid bodies: receivers, lamps and cameras in glass and in tinted media, in mode operator
-/// and in the reference, against exact answers.
+/// The inside of solid bodies: receivers, lamps and cameras in glass and in tinted media, in mode operator
+/// and in the reference, compared with exact answers.
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
 #include "unit/light_fixture.h"
@@ -58,7 +58,7 @@ static void check_probes(
     free(reading);
 }
 
-/// Radiance grows by ior^2 where it enters a body, and with it what arrives at a white ball inside.
+/// Radiance grows by ior^2 where it enters a body, and so does the irradiance of a white ball inside.
 static void furnaces_fill_glass_with_denser_light(void **state)
 {
     (void)state;
@@ -76,8 +76,8 @@ static void furnaces_fill_glass_with_denser_light(void **state)
     world_end(w);
 }
 
-/// A white lamp in a glass ball, in a room that is the only thing to absorb: all that leaves the lamp ends in
-/// the walls, whatever the glass does on the way.
+/// A white lamp in a glass ball, in a room that alone absorbs: all light that leaves the lamp ends in
+/// the walls, whatever the glass does to it.
 static void lamps_in_glass_lose_nothing(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/// What must not matter does not: how a scene is turned, scaled and cut into triangles, in which order these come, and
-/// whether lights shine together or one by one. Light that goes one way goes the other way alike.
+/// Invariance: how a scene is turned, scaled and cut into triangles, the order of these, and whether lights shine
+/// together or one by one must not matter. And reciprocity: light can be sent the other way.
 #include "core/sampling.h"
 #include "core/vec.h"
 #include "resolvent/solve.h"
@@ -248,8 +248,8 @@ static uint32_t rooms = 1; ///< that each test looks at; 5 of the long ones
 
 /// Two seeds of one room differ by up to 0.4 %: blocks are a few dozen elements.
 #define TOLERANCE 0.01
-/// Cells of split triangles have other shapes: what is linear in them errs by 1.2 % less or more, half of what it does with
-/// a quarter of the elements.
+/// Cells of split triangles have other shapes: what is linear in them errs by 1.2 % less or more, half of what it does
+/// with a quarter of the elements.
 #define TOLERANCE_OF_SHAPES 0.02
 
 typedef struct change {

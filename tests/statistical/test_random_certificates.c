@@ -1,4 +1,4 @@
-/// Certificates of random rooms beside path-traced truth, at every quality.
+/// Certificates of random rooms compared with path-traced truth, at every quality.
 #include "resolvent/certify.h"
 #include "resolvent/solve.h"
 #include "unit/random_scene.h"
@@ -9,10 +9,10 @@
 #include <stdlib.h>
 
 #define PATHS 256
-/// Estimates may be wrong by this factor, beyond what truth itself is uncertain by.
+/// Largest factor between an estimate and the truth, beyond the truth's own uncertainty.
 #define FACTOR 1.25
 
-/// What a sweep has found.
+/// Results of a sweep.
 typedef struct tally {
     uint32_t rooms, cases;
     uint32_t close;   ///< cases whose estimate is within FACTOR of the truth

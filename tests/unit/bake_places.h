@@ -1,4 +1,4 @@
-/// Bakes of places that a test chooses: what is stored there, read without samples of direct light.
+/// Bakes at places that a test chooses: the light stored there, read without samples of direct light.
 #ifndef RSV_TEST_BAKE_PLACES_H
 #define RSV_TEST_BAKE_PLACES_H
 

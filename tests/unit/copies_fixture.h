@@ -12,7 +12,7 @@ typedef enum copies {
     MIXED,     ///< of one wall before, of the next after it
     COLORED,   ///< of another material
     OUTSIDE,   ///< a millionth of the room off the walls
-    INSIDE,    ///< likewise, in front of them
+    INSIDE,    ///< another copy, in front of them
     THREEFOLD, ///< copy, wall, copy
     DIAGONAL,  ///< divided along the other diagonal
     FINE,      ///< of 7 x 7 squares

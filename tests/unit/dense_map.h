@@ -1,4 +1,4 @@
-/// A small dense matrix as a linear map that knows everything there is to know, for the tests of solvers.
+/// A small dense matrix as a linear map that offers every operation, for the tests of solvers.
 #ifndef RSV_TEST_DENSE_MAP_H
 #define RSV_TEST_DENSE_MAP_H
 

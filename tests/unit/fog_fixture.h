@@ -1,4 +1,4 @@
-/// Scenes full of fog whose light is known, and what is read of them.
+/// Scenes full of fog whose light is known, and readings of them.
 #ifndef FOG_FIXTURE_H
 #define FOG_FIXTURE_H
 
@@ -6,13 +6,13 @@
 #include "resolvent/render.h"
 #include "unit/light_fixture.h"
 
-/// What an estimate may be off, relative, or in standard errors.
+/// Largest error of an estimate, relative, or else in standard errors.
 #define TOLERANCE 5e-3
 #define STANDARD_ERRORS 4
 /// Relative: a larger one would let much pass.
 #define LARGEST_STANDARD_ERROR 1e-2
 
-/// What a picture or a probe shows of one channel.
+/// One channel of a picture or a probe.
 typedef struct estimate {
     double mean, error;
 } estimate;
@@ -62,7 +62,7 @@ static inline rsv_fog everywhere(rsv_rgb extinction, rsv_rgb albedo)
     return slab(extinction, albedo, -INFINITY, INFINITY);
 }
 
-/// What elements of surfaces absorb, W.
+/// Power that elements of surfaces absorb, W.
 static inline double power_at_walls(const rsv_light *light)
 {
     const rsv_operator *op = rsv_light_operator(light);
@@ -105,8 +105,8 @@ static inline double henyey_greenstein(double g, double cos)
     return (1 - g * g) / (4 * M_PI * pow(1 + g * g - 2 * g * cos, 1.5));
 }
 
-/// int exp(-sigma s) sigma_s p I(s) exp(-sigma r) / r^2 ds along a line that passes a light at distance h, from s = 0 to `length`,
-/// the light's foot being at `foot`: over the angle at the light, where it is smooth.
+/// int exp(-sigma s) sigma_s p I(s) exp(-sigma r) / r^2 ds along a line that passes a light at distance h, from s = 0
+/// to `length`, the light's foot being at `foot`: over the angle at the light, where it is smooth.
 static inline double once_along_line(
     double sigma, double g, double h, double foot, double length, double cos_cone)
 {

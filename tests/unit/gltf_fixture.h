@@ -24,7 +24,7 @@ static inline void assert_refused(
     assert_null(strchr(rsv_last_error(), '\n'));
 }
 
-/// What a file's binary part is to hold.
+/// Contents of a file's binary part.
 typedef struct buffer {
     uint8_t data[4096];
     size_t bytes;
@@ -39,7 +39,7 @@ static inline size_t append_bytes(buffer *b, const void *data, size_t bytes)
     return offset;
 }
 
-/// The four corners of the unit square as floats, then what a test wants.
+/// The four corners of the unit square as floats, then the test's own data.
 static inline buffer square_buffer(void)
 {
     const float corner[12] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
@@ -77,7 +77,8 @@ static inline void append_text(char *text, size_t capacity, const char *more)
     snprintf(text + used, capacity - used, "%s", more);
 }
 
-/// @param component 5120 signed bytes, 5121 bytes, 5122, 5123 shorts, 5126 floats @param more further members, or "" @return its index
+/// @param component 5120 signed bytes, 5121 bytes, 5122, 5123 shorts, 5126 floats @param more further members, or ""
+/// @return its index
 static inline int add_accessor(sketch *s, const void *data, size_t bytes, int component,
     size_t count, const char *type, const char *more)
 {

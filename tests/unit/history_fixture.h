@@ -1,4 +1,4 @@
-/// A room that is edited and solved again, for the tests of what solves leave for each other.
+/// A room that is edited and solved again, for the tests of files that solves keep for the next one.
 #ifndef RSV_TEST_HISTORY_FIXTURE_H
 #define RSV_TEST_HISTORY_FIXTURE_H
 
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/// What is edited. Metres.
+/// The properties that are edited. Metres.
 typedef struct room {
     float box_at;   ///< x of a box on the floor
     float albedo;   ///< of that box
@@ -81,7 +81,7 @@ static inline rsv_light *solve(const world *w, const char *rows, const char *ear
     return solve_as(w, rows, earlier, 1);
 }
 
-/// Solves a room and leaves what it knows in `rows`.
+/// Solves a room and keeps its results in `rows`.
 static inline void leave_as(const room *r, const char *rows, const char *earlier, uint32_t seed)
 {
     world *w = build(r, 2);
@@ -94,7 +94,7 @@ static inline void leave(const room *r, const char *rows, const char *earlier)
     leave_as(r, rows, earlier, 1);
 }
 
-/// A room that was solved, edited, and solved again from what was kept.
+/// A room that was solved, edited, and solved again from the kept results.
 typedef struct edited_room {
     folder before, after;
     world *w; ///< as it is now
@@ -144,7 +144,7 @@ static inline double difference(const rsv_light *a, const rsv_light *b)
     return sum / all;
 }
 
-/// The file of what a solve knew, in a folder. @return to be freed
+/// The history file in a folder. @return to be freed
 static inline rsv_history_header *read_past(const char *folder_path, size_t *bytes)
 {
     char path[512] = { 0 };
@@ -166,7 +166,7 @@ static inline void write_past(const char *folder_path, rsv_history_header *h, si
     write_bytes(path, h, bytes);
 }
 
-/// What a solve left in a folder.
+/// The files that a solve left in a folder.
 typedef struct opened {
     rsv_store *store;
     rsv_history *history; ///< NULL = nothing that is sound

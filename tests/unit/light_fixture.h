@@ -1,4 +1,4 @@
-/// A scene in the making and what the transport rooms need of it, for the tests of operator, solve, render
+/// A scene under construction and everything that transport needs of it, for the tests of operator, solve, render
 /// and trace. Counts allocations and can make them fail.
 #ifndef RSV_TEST_LIGHT_FIXTURE_H
 #define RSV_TEST_LIGHT_FIXTURE_H
@@ -251,7 +251,7 @@ static inline void world_triangles(world *w, uint32_t material, const rsv_vec3 *
     assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
 }
 
-/// Commits what is not committed yet and prepares what transport needs.
+/// Commits the scene, if that is not done yet, and prepares transport.
 static inline void world_commit(world *w)
 {
     if (!rsv_scene_get_view(w->scene)->triangle_count)

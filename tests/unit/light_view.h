@@ -1,4 +1,4 @@
-/// What a light holds, for tests that look inside.
+/// The contents of a light, for tests that look inside.
 #ifndef RSV_TEST_LIGHT_VIEW_H
 #define RSV_TEST_LIGHT_VIEW_H
 

@@ -16,7 +16,7 @@
 
 #define DEGREES (M_PI / 180)
 
-/// A made-up distribution of type C with the symmetry asked for: 1 = in C and -C, 2 = in C and 180 - C besides.
+/// A made-up distribution of type C with the wanted symmetry: 1 = in C and -C, 2 = also in C and 180 - C.
 static inline double wanted_intensity(double gamma, double c, int symmetry)
 {
     double around = symmetry == 3   ? 1

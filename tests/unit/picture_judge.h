@@ -5,7 +5,8 @@
 #include "light_fixture.h"
 #include "resolvent/image.h"
 
-/// In the mean to 0.5 %, and in each pixel as far as two better pictures of the same, of other seeds, can tell.
+/// Asserts an error of at most 0.5 % in the mean, and in each pixel as little as two better pictures with other seeds
+/// can tell.
 static inline void assert_errs_no_more(
     rsv_image *const judge[2], const rsv_image *ours, const rsv_image *theirs)
 {

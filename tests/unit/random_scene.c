@@ -124,7 +124,7 @@ static void choose_layers(maker *k)
     k->m.sheen_roughness = rsv_random_float(random);
 }
 
-/// Light that goes through: of sheets, of bodies, or past what covers in part.
+/// Light that passes: through sheets, through bodies, or through partial coverage.
 static void choose_passage(maker *k)
 {
     rsv_random *random = &k->random;
@@ -151,7 +151,7 @@ static void choose_passage(maker *k)
     }
     if (chance(random, 0.15f)) k->m.opacity = rsv_random_float(random);
     if (chance(random, 0.1f)) k->m.alpha_cutoff = 0.5f;
-    // whoever looks inside must find that white, too; a closed inside would be a lossless cavity
+    // the inside must look white, too; a closed inside would be a lossless cavity
     k->open = k->m.transmission > 0 || k->m.diffuse_transmission > 0 || k->m.opacity < 1;
     if (k->open) k->m.double_sided = true;
 }

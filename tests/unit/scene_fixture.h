@@ -1,4 +1,4 @@
-/// A context that remembers what was logged, for the tests of scenes and files.
+/// A context that records log messages, for the tests of scenes and files.
 #ifndef RSV_TEST_SCENE_FIXTURE_H
 #define RSV_TEST_SCENE_FIXTURE_H
 

@@ -1,5 +1,5 @@
-/// Programs of two parts: quick tests, which the sanitizers run as well, and those that take long; or of three. And what
-/// else the sanitizers are spared.
+/// Test programs in two parts: quick tests, which the sanitizers also run, and slow ones; or in three. And reductions
+/// for the sanitizers.
 #ifndef SLOW_TESTS_H
 #define SLOW_TESTS_H
 
@@ -12,14 +12,14 @@
 
 #include <string.h>
 
-/// What the sanitizers, which take five times as long, make do with instead of what is enough for all else.
+/// Smaller numbers for the sanitizers, which take five times as long.
 #ifdef __SANITIZE_ADDRESS__
 #define UNLESS_SANITIZED(all, sanitized) (sanitized)
 #else
 #define UNLESS_SANITIZED(all, sanitized) (all)
 #endif
 
-/// Whether the only argument asks for more than the quick tests: `slow` or `long`, see rsv_add_part in CMakeLists.txt.
+/// Whether the only argument selects more than the quick tests: `slow` or `long`, see rsv_add_part in CMakeLists.txt.
 static inline int asks_for_more(int argc, char **argv)
 {
     return argc > 1 && (strcmp(argv[1], "slow") == 0 || strcmp(argv[1], "long") == 0);
@@ -33,7 +33,7 @@ static inline int asks_for_more(int argc, char **argv)
     ((argc) > 1 && strcmp((argv)[1], "long") == 0 ? cmocka_run_group_tests(longest, NULL, NULL)    \
                                                   : RUN_HALF(argc, argv, quick, slow))
 
-/// The same, with what is done before the first and after the last test (cmocka's group fixtures).
+/// The same, with functions to run before the first and after the last test (cmocka's group fixtures).
 #define RUN_HALF_WITH(argc, argv, quick, slow, setup, teardown)                                    \
     (asks_for_more(argc, argv) ? cmocka_run_group_tests(slow, setup, teardown)                     \
                                : cmocka_run_group_tests(quick, setup, teardown))

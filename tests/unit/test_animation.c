@@ -369,7 +369,7 @@ static void broken_animations_are_refused(void **state)
             CLIP(CHANNEL, "\"input\":2,\"output\":3,\"interpolation\":\"CUBICSPLINE\""),
             "sampler 0 has 3 values where its 3 keys need 9" },
         { { 0, 1, 2 }, { 0 }, CLIP(CHANNEL, "\"input\":2,\"output\":3,\"interpolation\":\"BENT\""),
-            "is none of LINEAR" },
+            "is not LINEAR" },
         { { 0, 1, 2 }, { 0 }, CLIP(CHANNEL, "\"input\":9,\"output\":3"), "accessor 9 does not" },
         { { 0, 1, 2 }, { 0 }, CLIP(CHANNEL, "\"input\":3,\"output\":3"),
             "accessor 3 must hold SCALAR" },

@@ -107,7 +107,7 @@ static void later_descriptors_count_as_far_as_they_are_known(void **state)
     next.unknown = 1;
     rsv_probe_reading reading;
     assert_says(rsv_probe_irradiance(f->light, &next.known, &probe, 1, &reading), "rsv_probe_desc",
-        "use a later one");
+        "use a later version");
 }
 
 static void sizes_that_are_none_are_refused(void **state)
