@@ -72,6 +72,7 @@ typedef struct rsv_bsdf {
     rsv_rgb entry_scale;   ///< 1 / T_mean
     rsv_rgb absorption;    ///< 1/m inside a solid body (Beer-Lambert)
     rsv_rgb emission;      ///< W/(sr m2)
+    float camera_emission; ///< share of it that cameras see directly
     rsv_rgb specular_tint; ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
@@ -108,6 +109,12 @@ typedef struct rsv_bsdf {
     bool unlit;
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
+
+/// Whether cameras see less of the emission than mirrors and other surfaces do.
+RSV_INLINE bool rsv_hides_emission(const rsv_bsdf *bsdf)
+{
+    return bsdf->camera_emission < 1 && (bsdf->emissive || bsdf->unlit);
+}
 
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);

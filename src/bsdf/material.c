@@ -17,6 +17,7 @@ static rsv_bsdf unlit_bsdf(const rsv_material *material)
         .ior = 1,
         .diffuse = 1,
         .opacity = material->opacity,
+        .camera_emission = material->camera_emission,
         .double_sided = material->double_sided,
         .lambert = true,
         .unlit = true };
@@ -29,6 +30,7 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
     if (material->unlit) return unlit_bsdf(material);
     rsv_bsdf bsdf = { .ior = interface_ior(material->ior),
         .opacity = material->opacity,
+        .camera_emission = material->camera_emission,
         .tables = &rsv_bsdf_tables_data };
     bsdf.smooth_mean = (float)rsv_fresnel_dielectric_mean(bsdf.ior);
     bsdf.eta_place = rsv_table_eta(bsdf.ior);

@@ -10,6 +10,10 @@
 #include "bvh.h"
 #include "watertight.h"
 
+#if defined(__wasm_simd128__)
+#include "bvh_visit_wasm.h"
+#endif
+
 /// A ray as nodes want it.
 typedef struct rsv_bvh_ray {
     rsv_vec3 origin, inverse; ///< 1 / direction, finite
@@ -97,6 +101,18 @@ RSV_INLINE void rsv_bvh_visit(const rsv_bvh_node *from, const rsv_bvh_ray *ray, 
                  y = rsv_bvh_axis_of(to.y, sy, reach, ray->inverse.y),
                  z = rsv_bvh_axis_of(to.z, sz, reach, ray->inverse.z);
     uint32_t hits = 0;
+#if defined(__wasm_simd128__)
+    rsv_bvh_spans spans = { { wasm_f32x4_splat(0), wasm_f32x4_splat(0) },
+        { wasm_f32x4_splat(t_max), wasm_f32x4_splat(t_max) } };
+    rsv_bvh_pass_slabs(&spans, from->low[0], from->high[0], x.step, x.start, x.slack);
+    rsv_bvh_pass_slabs(&spans, from->low[1], from->high[1], y.step, y.start, y.slack);
+    rsv_bvh_pass_slabs(&spans, from->low[2], from->high[2], z.step, z.start, z.slack);
+    for (uint32_t met = rsv_bvh_met(&spans); met; met &= met - 1) {
+        uint32_t k = rsv_lowest_bit(met);
+        uint32_t meta = node.meta[k >> 2] >> (8 * (k & 3)) & 0xff, first = meta & 31;
+        hits |= (meta >> 5) << (first >= 24 ? first ^ ray->flip : first);
+    }
+#else
 #if defined(__CUDA_ARCH__)
 #pragma unroll
 #endif
@@ -109,6 +125,7 @@ RSV_INLINE void rsv_bvh_visit(const rsv_bvh_node *from, const rsv_bvh_ray *ray, 
         uint32_t bit = first >= 24 ? first ^ ray->flip : first;
         if (enter <= leave) hits |= (meta >> 5) << bit;
     }
+#endif
     children->first = node.first_child;
     children->bits = (hits & 0xff000000u) | node.exponents >> 24;
     triangles->first = node.first_triangle;

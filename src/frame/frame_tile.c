@@ -464,6 +464,7 @@ void rsv_tile_render(
     w->queue.light.shine = tiling->shine;
     w->queue.light.gloss = tiling->table->glossy ? &w->gloss : NULL;
     w->queue.light.eye = eye->camera.position;
+    w->queue.light.forward = eye->camera.forward;
     w->queue.light.parallel = eye->camera.vertical_fov == 0;
     w->queue.shading = &tiling->shading;
     bool recalled = waits_for_history(&t);

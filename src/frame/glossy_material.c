@@ -66,7 +66,8 @@ static bool is_plain(const rsv_transport_scene *scene, uint32_t material)
     const rsv_material *m = &scene->view->material[material];
     bool covers = m->alpha_cutoff > 0 || b->opacity >= 1;
     bool one_lobe = !b->layered && b->transmission == 0 && b->passed == 0 && b->alpha > 0;
-    return one_lobe && covers && !b->unlit && !b->solid && has_plain_textures(scene, material);
+    if (b->unlit || b->solid || rsv_hides_emission(b)) return false;
+    return one_lobe && covers && has_plain_textures(scene, material);
 }
 
 static bool may_be_glossy(const rsv_transport_scene *scene, uint32_t material)

@@ -63,6 +63,7 @@ static bool is_stored(const rsv_light_view *s, uint32_t material)
 {
     const rsv_bsdf *bsdf = &s->bsdf[material];
     bool translucent = s->diffused.material && s->diffused.material[material];
+    if (rsv_hides_emission(bsdf)) return false;
     return bsdf->lambert && bsdf->opacity >= 1 && !translucent &&
            !s->scene.view->material_varies[material];
 }

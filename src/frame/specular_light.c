@@ -45,11 +45,22 @@ void rsv_add_stored(rsv_specular_light *l, rsv_rgb throughput, const rsv_ray_pac
     rsv_add_light(l, rgb_mul(throughput, shown));
 }
 
+/// Whether a path still runs along the camera's ray.
+static bool is_straight(const rsv_specular_light *l, const rsv_specular_path *path)
+{
+    if (path->events == 0) return true;
+    rsv_surface_point at =
+        rsv_surface_point_at(l->scene->view, path->triangle, path->u, path->v, path->back);
+    rsv_vec3 ray = l->parallel ? l->forward : v3_normalize(v3_sub(at.position, l->eye));
+    return rsv_runs_straight(ray, path->direction);
+}
+
 void rsv_add_emission(
     rsv_specular_light *l, const rsv_specular_path *path, const rsv_bsdf *bsdf, rsv_rgb throughput)
 {
-    if (rsv_side_shows_emission(bsdf, path->back) && rsv_shows_emission(l->table))
-        rsv_add_light(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
+    if (!rsv_side_shows_emission(bsdf, path->back) || !rsv_shows_emission(l->table)) return;
+    float seen = rsv_hides_emission(bsdf) && is_straight(l, path) ? bsdf->camera_emission : 1;
+    rsv_add_light(l, rgb_mul(throughput, rgb_scale(bsdf->emission, seen * bsdf->opacity)));
 }
 
 void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight)

@@ -20,6 +20,7 @@ typedef struct rsv_specular_light {
     rsv_glossy_tile
         *gloss;    ///< receives the rough lobes at camera rays' hits; NULL = paths follow them
     rsv_vec3 eye;  ///< of the camera
+    rsv_vec3 forward;
     bool parallel; ///< it is orthographic
     float (*radiance)[4]; ///< of pixels
     float *depth;   ///< metres along the path to the main surface of pixels; NULL = not needed

@@ -43,15 +43,14 @@ typedef struct rsv_frame_args {
     bool varied;                     ///< some surfaces have holes
     rsv_hit *hit;                    ///< [pixels] of camera rays that specular paths begin at
     uint8_t *begins;                 ///< [pixels] whether one does
-    const uint32_t
-        *list;      ///< of a wave: first pixels, or slots of `from`; of remaining work: items
-    uint32_t items; ///< of the wave
+    const uint32_t *list; ///< of a wave: first pixels, or slots of `from`; of remaining work: items
+    uint32_t items;       ///< of the wave
     const rsv_gpu_traveller *from;
     rsv_gpu_traveller *to; ///< [RSV_FRAME_BRANCHES x items]
     uint8_t *alive;        ///< [RSV_FRAME_BRANCHES x items] slots in use
-    uint8_t *left;  ///< [items] whether the item's first slot is work for rsv_frame_scatter
-    rsv_rgb *found; ///< [items] radiance
-    uint32_t *found_by; ///< [items] pixel
+    uint8_t *left;         ///< [items] whether the item's first slot is work for rsv_frame_scatter
+    rsv_rgb *found;        ///< [items] radiance
+    uint32_t *found_by;    ///< [items] pixel
 } rsv_frame_args;
 
 // ---- camera rays --------------------------------------------------------------------------------
@@ -150,6 +149,15 @@ RSV_INLINE bool rsv_frame_shows_emission(
     return stage->emission && rsv_side_shows_emission(bsdf, path->back);
 }
 
+/// Share of the emission that is seen there: cameras see less of some lamps than mirrors do.
+RSV_INLINE float rsv_frame_emission_seen(
+    const rsv_frame_args *a, const rsv_gpu_traveller *at, const rsv_bsdf *bsdf)
+{
+    if (!rsv_hides_emission(bsdf)) return 1;
+    rsv_vec3 start = rsv_frame_camera_ray(a, at->pixel).direction;
+    return rsv_runs_straight(start, at->path.direction) ? bsdf->camera_emission : 1;
+}
+
 /// A specular path at a surface. @return the surface's light; its branches go to the slots of `item`
 RSV_INLINE rsv_rgb rsv_frame_arrive(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
@@ -170,7 +178,8 @@ RSV_INLINE rsv_rgb rsv_frame_arrive(
         a->alive[slot] = rsv_frame_branch(a, at, &point, k == 1, &branches, &a->to[slot]);
     }
     if (!rsv_frame_shows_emission(stage, path, bsdf)) return rgb_gray(0);
-    return rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity));
+    float seen = rsv_frame_emission_seen(a, at, bsdf) * bsdf->opacity;
+    return rgb_mul(throughput, rgb_scale(bsdf->emission, seen));
 }
 
 RSV_INLINE void rsv_frame_find(
@@ -311,7 +320,8 @@ RSV_INLINE rsv_rgb rsv_frame_scatter_at(
     rsv_rgb shown = rsv_frame_diffuse(stage, path, bsdf, &branches);
     if (rsv_frame_shows_emission(stage, path, bsdf))
         shown = rgb_mad(shown,
-            bsdf->opacity * rsv_rough_emission_weight(scene, stage->lights, path, &at->departure),
+            bsdf->opacity * rsv_frame_emission_seen(a, at, bsdf) *
+                rsv_rough_emission_weight(scene, stage->lights, path, &at->departure),
             bsdf->emission);
     rsv_rgb found = rgb_mul(rsv_specular_throughput(scene, path, &path->medium), shown);
     for (uint32_t k = 0; k < 2; k++)

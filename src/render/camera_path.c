@@ -19,7 +19,7 @@ typedef struct tree {
     const rsv_lights *lights;
     const rsv_camera_setting *setting;
     const rsv_pixel_sample *sample;
-    rsv_vec3 start; ///< direction that the camera's ray had
+    rsv_vec3 start; ///< direction that the camera's ray had; zero for the rest of a path
     void *user;     ///< of the setting's and the caller's functions
     link stack[STACK];
     int depth;
@@ -30,8 +30,7 @@ typedef struct tree {
 /// Share of the emission that is seen there.
 static float emission_seen(const tree *t, const rsv_specular_path *path)
 {
-    rsv_vec3 a = path->direction, b = t->start;
-    if (a.x != b.x || a.y != b.y || a.z != b.z) return 1;
+    if (!rsv_runs_straight(t->start, path->direction)) return 1;
     const rsv_scene_view *scene = t->lights->scene;
     return scene->material[scene->triangle_material[path->triangle]].camera_emission;
 }
@@ -184,7 +183,7 @@ rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path pat
     t.lights = setting->lights;
     t.setting = setting;
     t.sample = sample;
-    t.start = path.direction;
+    t.start = path.events == 0 ? path.direction : v3(0, 0, 0);
     t.user = user;
     t.radiance = rgb_gray(0);
     t.depth = 1;

@@ -10,6 +10,13 @@
 
 // ---- light at a surface --------------------------------------------------------------------------
 
+/// Whether a path still runs along the camera's ray, at most through panes and past surfaces that do not cover. Positions
+/// are known to about 1e-6 of their distance, so directions are compared with a tolerance. @param start, now unit
+RSV_INLINE bool rsv_runs_straight(rsv_vec3 start, rsv_vec3 now)
+{
+    return v3_dot(start, now) > 0.999999f;
+}
+
 /// Whether a side of a surface shows its emission, or is unlit.
 RSV_INLINE bool rsv_side_shows_emission(const rsv_bsdf *bsdf, bool back)
 {

@@ -102,7 +102,7 @@ static void frames_are_the_pictures_of_the_processor(void **state)
     rsv_device_close(device);
 }
 
-/// A mirror, a back side, a thin sheet, a sky, and a camera inside glass that dims.
+/// A mirror, a back side, a thin sheet, a sky, a lamp that cameras see less of, and a camera inside glass that dims.
 static world *mixed_world(rsv_device *device, bool inside)
 {
     world *w = world_begin_on(2, device);
@@ -112,9 +112,15 @@ static world *mixed_world(rsv_device *device, bool inside)
     sheet.opacity = 0.7f;
     dim_glass.attenuation_color = rgb(0.9f, 0.5f, 0.7f);
     dim_glass.attenuation_distance = 1;
+    rsv_material lamp = rsv_default_material();
+    lamp.specular = 0;
+    lamp.base_color = rgb_gray(0);
+    lamp.emission = rgb_gray(5);
+    lamp.double_sided = true;
+    lamp.camera_emission = 0.3f;
     uint32_t white = world_lambert(w, 0.7f, 0);
     world_quad(w, white, v3(-3, -1, 3), v3(3, -1, 3), v3(3, -1, -3), v3(-3, -1, -3));
-    world_quad(w, world_lambert(w, 0, 5), v3(-1, 2, -1), v3(1, 2, -1), v3(1, 2, 1), v3(-1, 2, 1));
+    world_quad(w, world_material(w, lamp), v3(-1, 2, -1), v3(1, 2, -1), v3(1, 2, 1), v3(-1, 2, 1));
     world_quad(w, white, v3(2, -1, 0), v3(2, 1, 0), v3(1, 1, -1), v3(1, -1, -1));
     world_quad(w, world_material(w, sheet), v3(0, -1, 1), v3(1, -1, 1), v3(1, 0, 1), v3(0, 0, 1));
     world_box(w, world_material(w, mirror_material(0.9f)), v3(-2, -1, -2), v3(-1, 1, -1));
