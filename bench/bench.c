@@ -28,6 +28,7 @@ static const char help[] =
     "               materials of SCENE must be Lambertian\n"
     "  quality      error over time of modes final, operator and reference, against one path-traced\n"
     "               reference\n"
+    "  media        the same for scenes with fog; then frames, and a light that changes\n"
     "  pictures     time to relative MSEs of 0.02, 0.005 and 0.001, compared with mode reference: first\n"
     "               picture, second view, relit view\n"
     "  bake         lightmaps and vertices compared with path tracing: time, errors, blotches, seams,\n"
@@ -49,12 +50,12 @@ static const char help[] =
     "  scale        time and memory by scene size, 1e4 to 1e7 triangles: 6 GB, a quarter of an hour\n"
     "\n"
     "  --threads N        default: one per core\n"
-    "  --repeat N         assemble, cluster, fig8, fps, gpu, move, quality, solvers: repeat N times\n"
-    "                     (default 3 to 21)\n"
-    "  --frames N         fps, rooms: frames of the flight (default: 3 seconds, 3 to 120 frames);\n"
+    "  --repeat N         assemble, cluster, fig8, fps, gpu, media, move, quality, solvers: repeat N\n"
+    "                     times (default 1 to 21)\n"
+    "  --frames N         fps, media, rooms: frames of the flight (default: 3 seconds, 3 to 120 frames);\n"
     "                     moving: default 8\n"
-    "  --size N           bake: largest side of the map (default 512); quality: pixels along each side\n"
-    "                     (default 256); fig8: rows of pixels, at 16:9 (default 720)\n"
+    "  --size N           bake: largest side of the map (default 512); quality, media: pixels along each\n"
+    "                     side (default 256, 128); fig8: rows of pixels, at 16:9 (default 720)\n"
     "  --size WxH         fps, rooms: pixels of a frame (default 1280x720; rooms compares frames of half\n"
     "                     the size); pictures: default 640x360\n"
     "  --gloss G          fps, rooms: rough reflections: reused (default) or paths\n"
@@ -124,6 +125,16 @@ static const benchmark benchmarks[] = {
         .size = 256,
         .has_quality = true,
         .quality = RSV_QUALITY_HIGH },
+    { .name = "media",
+        .run = cli_bench_media,
+        .print = cli_print_media,
+        .write_csv = cli_write_quality_csv,
+        .write_plot = cli_write_quality_plot,
+        .scenes = { "fog-rooms", "smoke" },
+        .repetitions = 1,
+        .size = 128,
+        .has_quality = true,
+        .quality = RSV_QUALITY_MEDIUM },
     { .name = "relight",
         .run = cli_bench_relight,
         .print = cli_print_relight,
@@ -355,8 +366,8 @@ static int check_settings(const benchmark *b, const settings *s)
     size_t references = s->bench.references.count;
     if (s->operand[1] && b->run == cli_bench_relight)
         return cli_usage_error("bench", "relight takes no scene");
-    if (references && b->run != cli_bench_quality)
-        return cli_usage_error("bench", "--reference belongs to bench quality");
+    if (references && b->run != cli_bench_quality && b->run != cli_bench_media)
+        return cli_usage_error("bench", "--reference belongs to bench quality and media");
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
         return cli_usage_error("bench",
             "--csv and --plot belong to bench quality, solvers, "
@@ -379,16 +390,17 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && !b->has_quality)
         return cli_usage_error("bench",
-            "--quality belongs to bench assemble, solvers, bake, levels, quality, rebake, moving, gpu, "
+            "--quality belongs to bench assemble, solvers, bake, levels, quality, media, rebake, moving, gpu, "
             "fps, rooms and pictures");
     if (s->bench.gloss >= 0 && !flies)
         return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
-    bool has_frames = (flies && b->run != cli_bench_pictures) || b->run == cli_bench_moving;
+    bool has_frames = (flies && b->run != cli_bench_pictures) || b->run == cli_bench_moving ||
+                      b->run == cli_bench_media;
     if (s->bench.frames && !has_frames)
-        return cli_usage_error("bench", "--frames belongs to bench fps, rooms and moving");
+        return cli_usage_error("bench", "--frames belongs to bench fps, media, rooms and moving");
     if (s->size.width && !b->size && !flies)
         return cli_usage_error(
-            "bench", "--size belongs to bench bake, quality, fig8, fps, rooms and pictures");
+            "bench", "--size belongs to bench bake, quality, media, fig8, fps, rooms and pictures");
     if (b->size && s->size.width != s->size.height)
         return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)

@@ -63,6 +63,11 @@ void cli_print_quality(const struct cJSON *result);
 bool cli_write_quality_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_quality_plot(const char *path, const struct cJSON *scenes);
 
+/// The same of a scene with fog; then frames of a flight, and a light that is dimmed. Its table and curve are those of
+/// cli_bench_quality.
+bool cli_bench_media(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_media(const struct cJSON *result);
+
 /// Residual over applications of the operator, and over time, for every solver.
 bool cli_bench_solvers(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_solvers(const struct cJSON *result);

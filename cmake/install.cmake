@@ -55,6 +55,9 @@ install(FILES ${PROJECT_BINARY_DIR}/resolventConfig.cmake
 # no pkg-config files of their own.
 file(RELATIVE_PATH RSV_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 set(RSV_PC_PRIVATE_LIBS "-lmeshoptimizer ${OpenMP_C_FLAGS} -lstdc++ -lm")
+if(RSV_OPENVDB)
+    set(RSV_PC_PRIVATE_LIBS "-lopenvdb -ltbb ${RSV_PC_PRIVATE_LIBS}")
+endif()
 if(RSV_EMBREE)
     set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} ${RSV_PC_PRIVATE_LIBS}")
 endif()

@@ -248,6 +248,12 @@ static void add_fog(cJSON *root, const rsv_scene_view *view)
         cJSON_AddNumberToObject(item, "base_height", fog->base_height + view->origin[1]);
         return;
     }
+    uint32_t side[3];
+    if (rsv_scene_volume_size(view, side)) {
+        cJSON *grid = cJSON_AddArrayToObject(item, "grid");
+        for (int k = 0; k < 3; k++)
+            cJSON_AddItemToArray(grid, cJSON_CreateNumber(side[k]));
+    }
     add_point(item, "bounds_min", fog->bounds_min, view->origin);
     add_point(item, "bounds_max", fog->bounds_max, view->origin);
 }
@@ -486,7 +492,11 @@ static void print_fog(const rsv_scene_view *view)
     print_point(fog->bounds_min, view->origin, 4);
     fputs(") to (", stdout);
     print_point(fog->bounds_max, view->origin, 4);
-    puts(")");
+    fputs(")", stdout);
+    uint32_t side[3];
+    if (rsv_scene_volume_size(view, side))
+        printf(", on a grid of %u x %u x %u points", side[0], side[1], side[2]);
+    puts("");
 }
 
 static void print_cameras(const rsv_scene_view *view)

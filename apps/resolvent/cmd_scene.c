@@ -25,6 +25,7 @@ static const char help[] =
     "                   triangles (default 1e5)\n"
     "  fog-rooms        two-rooms in fog, with a shaft of light from the door\n"
     "  milk             a glass of milk on a table\n"
+    "  smoke            a plume of smoke in the Cornell box\n"
     "\n"
     "  -o FILE            the file to write\n" CLI_MESH_HELP "\n"
     "examples:\n"

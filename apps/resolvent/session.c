@@ -362,7 +362,9 @@ static rsv_scene *open_scene(
     if (!read_scene(session, name, is_file, &scene)) return NULL;
     rsv_status status = add_environment(session, scene, environment);
     // without --fog, a built-in scene keeps its own
-    if (status == RSV_OK && environment && environment->fog.medium)
+    if (status == RSV_OK && environment && environment->fog.volume)
+        status = rsv_scene_load_volume(scene, &fog, environment->fog.volume);
+    else if (status == RSV_OK && environment && environment->fog.medium)
         status = rsv_scene_set_fog(scene, &fog);
     if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load += cli_seconds() - started;

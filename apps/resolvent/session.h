@@ -136,6 +136,8 @@ typedef struct cli_environment {
 #define CLI_FOG_OPTIONS(environment)                                                               \
     { .name = "--fog", .kind = CLI_TEXT, .value = &(environment)->fog.medium },                    \
     { .name = "--fog-height", .kind = CLI_TEXT, .value = &(environment)->fog.height,               \
+      .goes_with = "--fog" },                                                                      \
+    { .name = "--volume", .kind = CLI_TEXT, .value = &(environment)->fog.volume,                   \
       .goes_with = "--fog" }
 // clang-format on
 
@@ -143,7 +145,8 @@ typedef struct cli_environment {
     "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n" \
     "                     cosine G of the scattering angle (default 0); E and A may be R:G:B\n"        \
     "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n" \
-    "                     --mode reference\n"
+    "                     --mode reference\n" \
+    "  --volume FILE.vdb  multiply the extinction by the densities of a grid of this OpenVDB file\n"
 
 /// Loads the file `name` or, if there is no such file, builds the built-in scene of that name.
 /// Prints an error and returns NULL on failure.

@@ -108,6 +108,13 @@ RSV_API rsv_status rsv_scene_load_environment(
 RSV_API rsv_status rsv_scene_load_luminaires(
     rsv_scene *scene, const rsv_load_luminaire *luminaire, size_t count);
 
+/// Fills the scene's air with the fog of an OpenVDB file: rsv_scene_set_volume with its grid "density", or else its first
+/// grid of single numbers that is no level set. RSV_ERROR_IO and RSV_ERROR_FORMAT for files that cannot be read,
+/// RSV_ERROR_UNSUPPORTED for files without such a grid, grids turned against the axes or too large, and builds without
+/// OpenVDB.
+/// @param fog extinction and emission where the density is 1, albedo and anisotropy
+RSV_API rsv_status rsv_scene_load_volume(rsv_scene *scene, const rsv_fog *fog, const char *path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -275,7 +275,20 @@ typedef struct rsv_fog {
     /// space with a finite scale height, otherwise the box around the scene's surfaces, cameras, and lights with a
     /// position.
     rsv_vec3 bounds_min, bounds_max;
+    /// Private: the densities that rsv_scene_set_volume multiplied extinction and emission by. rsv_scene_set_fog ignores
+    /// it.
+    const struct rsv_volume *volume;
 } rsv_fog;
+
+#define RSV_VOLUME_MAX_POINTS ((size_t)1 << 28) ///< 1 GiB
+
+/// Densities of a heterogeneous medium at the points of a grid. In between, the density is interpolated along each axis;
+/// outside, it is 0.
+typedef struct rsv_volume_grid {
+    uint32_t side[3];   ///< points along x, y and z; at least 2 each, at most RSV_VOLUME_MAX_POINTS in total
+    rsv_vec3 low, high; ///< first and last point, metres, in the coordinates of the scene's file
+    const float *density; ///< [side[2]][side[1]][side[0]], 0 or more, without a unit
+} rsv_volume_grid;
 
 #define RSV_ENVIRONMENT_MAX_PIXELS ((size_t)1 << 27) ///< 16384 x 8192
 
@@ -392,6 +405,17 @@ RSV_API rsv_fog rsv_default_fog(void);
 /// finite box. Everything else refuses scenes with fog (RSV_ERROR_UNSUPPORTED; docs/media.md).
 RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 
+/// Fills the box of a grid with fog whose extinction and emission are those of `fog` times the density there. The box and
+/// the heights of `fog` are ignored. The grid is copied, and its memory is kept until the scene is destroyed. Supported
+/// like fog in a finite box. RSV_ERROR_ARGUMENT for grids without any density, densities that are negative, infinite or
+/// NaN, more than 1e6 per metre, and a finite scale height; RSV_ERROR_UNSUPPORTED for too many points.
+/// @param grid borrowed; NULL = the same as rsv_scene_set_fog
+RSV_API rsv_status rsv_scene_set_volume(
+    rsv_scene *scene, const rsv_fog *fog, const rsv_volume_grid *grid);
+
+/// Points along each axis of the grid on which the fog's density varies. @return false if it does not
+RSV_API bool rsv_scene_volume_size(const rsv_scene_view *scene, uint32_t side[3]);
+
 /// Flattens and checks the scene. RSV_ERROR_SCENE if nothing is left to draw. A scene without a camera gets one named
 /// "framing" that shows all of it.
 RSV_API rsv_status rsv_scene_commit(rsv_scene *scene);
@@ -454,9 +478,10 @@ static inline rsv_builtin_desc rsv_default_builtin_desc(void)
 }
 
 /// Builds and commits a built-in scene: cornell-blocks, cornell-spheres, cornell-glass, cornell-marble,
-/// cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery or terraces.
-/// @param name the last two take a size after a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
-/// million triangles (default 1e5)
+/// cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces, fog-rooms, milk or smoke.
+/// fog-rooms and smoke come with fog.
+/// @param name gallery and terraces take a size after a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6"
+/// about a million triangles (default 1e5)
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);
 
 /// The same with options. @param desc NULL = defaults

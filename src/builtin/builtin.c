@@ -7,7 +7,7 @@
 
 static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres", "cornell-glass",
     "cornell-marble", "cornell-plaster", "cornell-showcase", "character", "furnace", "two-rooms",
-    "gallery", "terraces", "fog-rooms", "milk", NULL };
+    "gallery", "terraces", "fog-rooms", "milk", "smoke", NULL };
 
 /// Unit and range of a scene's size, if it can be chosen.
 typedef struct size_range {
@@ -36,6 +36,7 @@ static const struct {
     { .build_sized = rsv_build_terraces, .size = { "triangles", 1e5, 5000, 1e8 } },
     { .build = rsv_build_fog_rooms, .fill = rsv_fill_fog_rooms },
     { .build = rsv_build_milk },
+    { .build = rsv_build_smoke, .fill = rsv_fill_smoke },
 };
 
 const char *const *rsv_scene_builtin_names(void) { return builtin_names; }
@@ -106,7 +107,7 @@ rsv_status rsv_scene_builtin_with(
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "there is no built-in scene '%s'; use cornell-blocks, cornell-spheres, cornell-glass, "
             "cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, "
-            "gallery, terraces, fog-rooms or milk",
+            "gallery, terraces, fog-rooms, milk or smoke",
             name);
     if (settings.body_triangles < 100 || settings.body_triangles > 20000000)
         return rsv_fail(RSV_ERROR_ARGUMENT,

@@ -14,9 +14,11 @@ rsv_status rsv_build_furnace(rsv_scene *scene);
 rsv_status rsv_build_two_rooms(rsv_scene *scene);
 rsv_status rsv_build_fog_rooms(rsv_scene *scene);
 rsv_status rsv_build_milk(rsv_scene *scene);
+rsv_status rsv_build_smoke(rsv_scene *scene);
 
-/// Fog in the committed scene fog-rooms.
+/// Fog in the committed scenes fog-rooms and smoke.
 rsv_status rsv_fill_fog_rooms(rsv_scene *scene);
+rsv_status rsv_fill_smoke(rsv_scene *scene);
 
 /// @param rooms a whole number of them
 rsv_status rsv_build_gallery(rsv_scene *scene, double rooms);

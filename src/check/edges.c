@@ -14,36 +14,33 @@ enum { MOST_COMPARED = 64 };
 /// An edge from the smaller place to the larger one.
 typedef struct edge {
     rsv_vec3 a, b;
-    uint32_t object;
     bool turned; ///< its triangle uses the opposite direction
 } edge;
 
 static int compare_edges(const void *p, const void *q)
 {
     const edge *e = p, *f = q;
-    if (e->object != f->object) return e->object < f->object ? -1 : 1;
     int order = compare_places(e->a, f->a);
     if (!order) order = compare_places(e->b, f->b);
     return order ? order : (int)e->turned - (int)f->turned;
 }
 
-/// @param edges [3 * triangle_count], sorted
-static void list_edges(const rsv_scene_view *view, edge *edges)
+/// The edges of triangles, sorted. @param edges [3 * (end - first)] out
+static void list_edges(const rsv_scene_view *view, size_t first, size_t end, edge *edges)
 {
-    for (size_t k = 0; k < 3 * view->triangle_count; k++) {
+    edge *to = edges;
+    for (size_t k = 3 * first; k < 3 * end; k++) {
         const uint32_t *corner = view->triangle[k / 3];
-        rsv_vec3 from = view->position[corner[k % 3]], to = view->position[corner[(k + 1) % 3]];
-        bool turned = compare_places(from, to) > 0;
-        edges[k] =
-            (edge){ turned ? to : from, turned ? from : to, view->triangle_object[k / 3], turned };
+        rsv_vec3 from = view->position[corner[k % 3]], next = view->position[corner[(k + 1) % 3]];
+        bool turned = compare_places(from, next) > 0;
+        *to++ = (edge){ turned ? next : from, turned ? from : next, turned };
     }
-    qsort(edges, 3 * view->triangle_count, sizeof *edges, compare_edges);
+    qsort(edges, 3 * (end - first), sizeof *edges, compare_edges);
 }
 
 static bool is_same_edge(const edge *e, const edge *f)
 {
-    return e->object == f->object && compare_places(e->a, f->a) == 0 &&
-           compare_places(e->b, f->b) == 0;
+    return compare_places(e->a, f->a) == 0 && compare_places(e->b, f->b) == 0;
 }
 
 /// The sorted edges of an object, and their faults.
@@ -53,13 +50,13 @@ typedef struct object_edges {
     rsv_vec3 low, high;
 } object_edges;
 
-/// @param first, end of the object's in `edges`, whose beginning takes the border
-static object_edges sort_out(edge *edges, size_t first, size_t end)
+/// @param edges [count] of the object; the border moves to their beginning
+static object_edges sort_out(edge *edges, size_t count)
 {
-    object_edges o = { .border = edges + first, .low = edges[first].a, .high = edges[first].a };
-    for (size_t k = first; k < end;) {
+    object_edges o = { .border = edges, .low = edges[0].a, .high = edges[0].a };
+    for (size_t k = 0; k < count;) {
         size_t next = k + 1;
-        while (next < end && is_same_edge(&edges[k], &edges[next]))
+        while (next < count && is_same_edge(&edges[k], &edges[next]))
             next++;
         o.low = v3_min(o.low, v3_min(edges[k].a, edges[k].b));
         o.high = v3_max(o.high, v3_max(edges[k].a, edges[k].b));
@@ -124,19 +121,36 @@ cleanup:
     return status;
 }
 
+/// The end of the object's triangles that begin with `first`: those of an object follow each other.
+static size_t end_of_object(const rsv_scene_view *view, size_t first)
+{
+    size_t end = first + 1;
+    while (end < view->triangle_count && view->triangle_object[end] == view->triangle_object[first])
+        end++;
+    return end;
+}
+
+static size_t most_triangles(const rsv_scene_view *view)
+{
+    size_t most = 0;
+    for (size_t first = 0, end; first < view->triangle_count; first = end) {
+        end = end_of_object(view, first);
+        most = end - first > most ? end - first : most;
+    }
+    return most;
+}
+
+/// One object after the other: the largest one decides how much memory that takes.
 rsv_status rsv_check_edges(rsv_checker *c)
 {
     rsv_status status = RSV_OK;
-    size_t count = 3 * c->view->triangle_count;
-    edge *edges = rsv_alloc(c->context, count, sizeof *edges);
+    edge *edges = rsv_alloc(c->context, 3 * most_triangles(c->view), sizeof *edges);
     if (!edges) return RSV_ERROR_MEMORY;
-    list_edges(c->view, edges);
-    for (size_t first = 0, end; first < count; first = end) {
-        uint32_t object = edges[first].object;
-        for (end = first; end < count && edges[end].object == object;)
-            end++;
-        const object_edges o = sort_out(edges, first, end);
-        RSV_TRY(tell(c, &o, object));
+    for (size_t first = 0, end; first < c->view->triangle_count; first = end) {
+        end = end_of_object(c->view, first);
+        list_edges(c->view, first, end, edges);
+        const object_edges o = sort_out(edges, 3 * (end - first));
+        RSV_TRY(tell(c, &o, c->view->triangle_object[first]));
     }
 cleanup:
     rsv_free(c->context, edges);

@@ -77,6 +77,8 @@ static rsv_rgb sample_near(const rsv_voxel_air *a, uint32_t voxel, const rsv_pun
     double square = (double)sample.distance * (double)sample.distance;
     double density = place_density(a->voxels, voxel, from, v3_neg(sample.direction), square);
     double scale = square / (density * (double)rsv_voxel_volume(a->voxels, voxel));
+    scale *= (double)rsv_voxels_density(a->voxels, place);
+    scale /= (double)rsv_voxel_mean_density(a->voxels, voxel);
     return scale < INFINITY ? rgb_scale(rgb_mul(sample.irradiance, seen), (float)scale)
                             : rgb_gray(0);
 }

@@ -112,6 +112,12 @@
 #define MOST_VOXELS 512
 /// Places that a cell which walls cut is sampled at.
 #define CUT_PLACES 64
+/// Densities per axis that the mean over a voxel is taken of.
+#define DENSITY_SIDE 8
+/// Least mean density of a voxel, as a share of the greatest density, so that its area is not 0.
+#define LEAST_DENSITY 1e-6f
+/// Places that rejection sampling by density tries at most.
+#define DENSITY_TRIES 64
 /// Flat boxes may have this many times the requested number of cells.
 #define FLAT_BOX 4
 

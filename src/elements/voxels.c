@@ -248,6 +248,8 @@ void rsv_voxels_destroy(rsv_voxels *v)
     rsv_free(v->context, v->points);
     rsv_free(v->context, v->place_begin);
     rsv_free(v->context, v->place);
+    rsv_free(v->context, v->density);
+    rsv_free(v->context, v->densest);
     rsv_free(v->context, v);
 }
 
@@ -275,7 +277,7 @@ rsv_vec3 rsv_voxel_centre(const rsv_voxels *v, uint32_t voxel)
     return v3_scale(sum, 1 / (float)__builtin_popcount(v->points[voxel]));
 }
 
-rsv_vec3 rsv_voxel_place(const rsv_voxels *v, uint32_t voxel, const float u[3])
+rsv_vec3 rsv_voxel_even_place(const rsv_voxels *v, uint32_t voxel, const float u[3])
 {
     if (rsv_voxel_is_whole(v, voxel)) return place_in_cell(v, v->cell[voxel], v3(u[0], u[1], u[2]));
     uint32_t begin = v->place_begin[voxel], count = v->place_begin[voxel + 1] - begin;
@@ -387,7 +389,8 @@ static void *lengthen(rsv_context *context, void *array, size_t count, size_t mo
 static float area_of(const rsv_elements *e, uint32_t voxel)
 {
     rsv_rgb sigma = e->scene->fog->extinction;
-    return 4 * rsv_voxel_volume(e->voxels, voxel) * (sigma.r + sigma.g + sigma.b) / 3;
+    float area = 4 * rsv_voxel_volume(e->voxels, voxel) * (sigma.r + sigma.g + sigma.b) / 3;
+    return area * rsv_voxel_mean_density(e->voxels, voxel);
 }
 
 #define LENGTHEN(field, more)                                                                      \
@@ -402,6 +405,8 @@ rsv_status rsv_elements_add_voxels(rsv_elements *e, rsv_voxels *voxels)
     size_t before = e->node_count, count = voxels->count;
     RSV_ASSERT(!e->voxels);
     e->voxels = voxels;
+    rsv_status status = rsv_voxels_weigh(voxels, e->scene->fog->volume);
+    if (status != RSV_OK) return status;
     LENGTHEN(node_face, 0);
     LENGTHEN(node_area, 0);
     LENGTHEN(node_hanging, 0);

@@ -21,7 +21,10 @@ typedef struct rsv_voxels {
     uint32_t *cell;        ///< [count]
     uint16_t *points;      ///< [count] bit k = point k of the cell lies in this voxel
     uint32_t *place_begin; ///< [count + 1] into `place`
-    rsv_vec3 *place;       ///< in voxels of cells that are cut, evenly distributed
+    /// Heterogeneous fog's densities; NULL = it is the same everywhere, and so are the next two.
+    const struct rsv_volume *volume;
+    float *density, *densest; ///< [count] mean over each voxel, and a bound
+    rsv_vec3 *place;          ///< in voxels of cells that are cut, evenly distributed
 } rsv_voxels;
 
 /// A grid over the scene's fog, whose box is finite. @param target approximate number of cells @param rays out: rays
@@ -53,7 +56,19 @@ rsv_vec3 rsv_voxel_low(const rsv_voxels *voxels, uint32_t voxel);
 rsv_vec3 rsv_voxel_centre(const rsv_voxels *voxels, uint32_t voxel);
 
 /// A place in the voxel, evenly distributed. @param u in [0, 1)
+rsv_vec3 rsv_voxel_even_place(const rsv_voxels *voxels, uint32_t voxel, const float u[3]);
+
+/// A place in the voxel, distributed as the fog's density. @param u in [0, 1)
 rsv_vec3 rsv_voxel_place(const rsv_voxels *voxels, uint32_t voxel, const float u[3]);
+
+/// Takes the densities of a scene's fog; NULL = it is the same everywhere.
+rsv_status rsv_voxels_weigh(rsv_voxels *voxels, const struct rsv_volume *volume);
+
+/// Density of the fog at a place. @return 1 where it is the same everywhere
+float rsv_voxels_density(const rsv_voxels *voxels, rsv_vec3 place);
+
+/// Mean density over a voxel; a little where there is none, so that it has an area.
+float rsv_voxel_mean_density(const rsv_voxels *voxels, uint32_t voxel);
 
 /// The voxel of a place that light comes to through the air.
 uint32_t rsv_voxels_find(const rsv_voxels *voxels, const rsv_tracer *tracer, rsv_vec3 place);

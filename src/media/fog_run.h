@@ -8,6 +8,7 @@
 
 #include "../core/vec.h"
 #include "resolvent/scene.h"
+#include "volume.h"
 
 /// Of [begin, end] along the ray, metres. The density is greatest at one end and falls by exp(-rate) per metre from
 /// there.
@@ -19,10 +20,17 @@ typedef struct rsv_fog_piece {
     double column;     ///< metres; may be INFINITY
 } rsv_fog_piece;
 
+#define RSV_FOG_STATIONS 16
+
 typedef struct rsv_fog_run {
     rsv_fog_piece piece[2]; ///< in order; the second may be empty
     double begin, end;      ///< of both, metres
     double column;          ///< of both; 0 = no fog on this ray
+    /// Where density varies on a grid, in place of the pieces: the grid, the ray through it, and the columns up to places
+    /// at equal distances from begin to end. NULL = it does not.
+    const rsv_volume *volume;
+    rsv_grid_line line;
+    double station[RSV_FOG_STATIONS + 1];
 } rsv_fog_run;
 
 /// Column from the piece's begin to s.
@@ -88,30 +96,75 @@ RSV_INLINE rsv_fog_piece rsv_fog_piece_of(
     return p;
 }
 
+/// Cuts [*begin, *end] of a ray down to the fog's box; never below *begin.
+RSV_INLINE void rsv_fog_clip_to_box(
+    const rsv_fog *fog, rsv_vec3 origin, rsv_vec3 direction, double *begin, double *end)
+{
+    rsv_fog_clip(origin.x, direction.x, fog->bounds_min.x, fog->bounds_max.x, begin, end);
+    rsv_fog_clip(origin.y, direction.y, fog->bounds_min.y, fog->bounds_max.y, begin, end);
+    rsv_fog_clip(origin.z, direction.z, fog->bounds_min.z, fog->bounds_max.z, begin, end);
+    *end = fmax(*end, *begin);
+}
+
+RSV_INLINE double rsv_fog_station(const rsv_fog_run *run, int k)
+{
+    return run->begin + (run->end - run->begin) * k / RSV_FOG_STATIONS;
+}
+
+/// Columns of a run through a grid.
+RSV_INLINE void rsv_fog_integrate(rsv_fog_run *run)
+{
+    run->station[0] = 0;
+    for (int k = 0; k < RSV_FOG_STATIONS; k++)
+        run->station[k + 1] =
+            run->station[k] + rsv_volume_column(run->volume, &run->line, rsv_fog_station(run, k),
+                                  rsv_fog_station(run, k + 1));
+    run->column = run->station[RSV_FOG_STATIONS];
+}
+
 /// The fog along a ray of unit direction up to `length` metres, which may be INFINITY.
 RSV_INLINE rsv_fog_run rsv_fog_run_of(
     const rsv_fog *fog, rsv_vec3 origin, rsv_vec3 direction, float length)
 {
     rsv_fog_run run;
     double begin = 0, end = length;
-    rsv_fog_clip(origin.x, direction.x, fog->bounds_min.x, fog->bounds_max.x, &begin, &end);
-    rsv_fog_clip(origin.y, direction.y, fog->bounds_min.y, fog->bounds_max.y, &begin, &end);
-    rsv_fog_clip(origin.z, direction.z, fog->bounds_min.z, fog->bounds_max.z, &begin, &end);
-    end = fmax(end, begin);
+    rsv_fog_clip_to_box(fog, origin, direction, &begin, &end);
+    run.begin = begin;
+    run.end = end;
+    run.volume = fog->volume;
+    if (run.volume) {
+        run.line = rsv_volume_line(run.volume, origin, direction);
+        rsv_fog_integrate(&run);
+        return run;
+    }
+    const rsv_grid_line none = { { 0, 0, 0 }, { 0, 0, 0 } };
+    run.line = none;
     double height = (double)origin.y - fog->base_height, slope = direction.y;
     double crossing = slope != 0 && fog->scale_height < INFINITY ? -height / slope : begin;
     double middle = fmin(fmax(crossing, begin), end);
     run.piece[0] = rsv_fog_piece_of(begin, middle, height, slope, fog->scale_height);
     run.piece[1] = rsv_fog_piece_of(middle, end, height, slope, fog->scale_height);
-    run.begin = begin;
-    run.end = end;
     run.column = run.piece[0].column + run.piece[1].column;
     return run;
+}
+
+/// The last station at or before s.
+RSV_INLINE int rsv_fog_station_before(const rsv_fog_run *run, double s)
+{
+    double share = (s - run->begin) / (run->end - run->begin) * RSV_FOG_STATIONS;
+    return share > 0 ? (share < RSV_FOG_STATIONS - 1 ? (int)share : RSV_FOG_STATIONS - 1) : 0;
 }
 
 /// Column from the ray's begin to s in [begin, end].
 RSV_INLINE double rsv_fog_column(const rsv_fog_run *run, double s)
 {
+    if (run->volume) {
+        int k = rsv_fog_station_before(run, s);
+        double from = rsv_fog_station(run, k);
+        if (!(s > from)) return run->station[k];
+        return run->station[k] +
+               rsv_volume_column(run->volume, &run->line, from, fmin(s, run->end));
+    }
     if (s <= run->piece[0].end) return rsv_fog_piece_column(&run->piece[0], s);
     return run->piece[0].column + rsv_fog_piece_column(&run->piece[1], s);
 }
@@ -119,6 +172,13 @@ RSV_INLINE double rsv_fog_column(const rsv_fog_run *run, double s)
 /// Inverse of rsv_fog_column. @param column at most the run's
 RSV_INLINE double rsv_fog_find(const rsv_fog_run *run, double column)
 {
+    if (run->volume) {
+        int k = 0;
+        while (k < RSV_FOG_STATIONS - 1 && run->station[k + 1] < column)
+            k++;
+        return rsv_volume_find(run->volume, &run->line, rsv_fog_station(run, k),
+            rsv_fog_station(run, k + 1), column - run->station[k]);
+    }
     if (column <= run->piece[0].column && run->piece[0].column > 0)
         return rsv_fog_piece_find(&run->piece[0], column);
     if (!(run->piece[1].column > 0)) return run->end;
@@ -127,6 +187,7 @@ RSV_INLINE double rsv_fog_find(const rsv_fog_run *run, double column)
 
 RSV_INLINE double rsv_fog_density(const rsv_fog_run *run, double s)
 {
+    if (run->volume) return rsv_volume_density(run->volume, &run->line, s);
     return rsv_fog_piece_density(&run->piece[s > run->piece[0].end], s);
 }
 

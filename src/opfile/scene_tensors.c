@@ -1,4 +1,5 @@
 /// The contents of a committed scene, array by array.
+#include "../media/volume.h"
 #include "../scene/material_fields.h"
 #include "../scene/punctual.h"
 #include "../scene/restore.h"
@@ -232,6 +233,13 @@ cleanup:
     return status;
 }
 
+/// Densities of fog; its box is among its columns.
+static rsv_status write_volume(rsv_tensor_file *file, const rsv_volume *volume)
+{
+    const size_t shape[3] = { volume->side[2], volume->side[1], volume->side[0] };
+    return rsv_tensor_add(file, "density", RSV_TENSOR_F32, 3, shape, volume->density);
+}
+
 /// The arrays of the geometry, in both directions.
 static rsv_status exchange_geometry(rsv_tensor_file *file, rsv_scene_view *view)
 {
@@ -279,6 +287,7 @@ rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene)
     RSV_TRY(write_environment(file, view.environment));
     rsv_tensor_prefix(file, "scene.fog.");
     if (view.fog) RSV_TRY(WRITE_TABLE(file, fog_columns, view.fog, 1));
+    if (view.fog && view.fog->volume) RSV_TRY(write_volume(file, view.fog->volume));
 cleanup:
     return status;
 }
@@ -412,6 +421,23 @@ cleanup:
     return status;
 }
 
+static rsv_status read_volume(rsv_tensor_file *file, rsv_scene *scene)
+{
+    uint32_t side[3];
+    const rsv_tensor *density = rsv_tensor_find(file, "density");
+    if (!density) return RSV_OK;
+    if (density->type != RSV_TENSOR_F32 || density->rank != 3)
+        return rsv_tensor_fail(file, "density", "is no grid");
+    for (int k = 0; k < 3; k++) {
+        if (density->shape[2 - k] > RSV_VOLUME_MAX_POINTS)
+            return rsv_tensor_fail(file, "density", "is too large");
+        side[k] = (uint32_t)density->shape[2 - k];
+    }
+    rsv_status status = rsv_scene_restore_volume(scene, side, density->data);
+    if (status == RSV_OK || status == RSV_ERROR_MEMORY) return status;
+    return rsv_tensor_fail(file, "density", "holds no densities of fog");
+}
+
 static rsv_status read_fog(rsv_tensor_file *file, rsv_scene *scene)
 {
     rsv_status status;
@@ -421,6 +447,7 @@ static rsv_status read_fog(rsv_tensor_file *file, rsv_scene *scene)
     if (!rsv_tensor_find(file, "extinction")) return RSV_OK;
     RSV_TRY(READ_TABLE(file, fog_columns, fog, &one));
     RSV_TRY(rsv_scene_restore_fog(scene, fog));
+    RSV_TRY(read_volume(file, scene));
 cleanup:
     rsv_free(file->context, fog);
     return status;

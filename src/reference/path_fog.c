@@ -2,6 +2,7 @@
 #include "../sources/local_lights.h"
 #include "../sources/punctual_light.h"
 #include "path_sources.h"
+#include "path_volume.h"
 
 /// Weight of a sample drawn with density `own`, which two other techniques draw with `a` and `b`.
 static float power_heuristic(double own, double a, double b)
@@ -11,9 +12,12 @@ static float power_heuristic(double own, double a, double b)
 }
 
 rsv_rgb rsv_path_fog_transmittance(
-    const rsv_fog *fog, rsv_vec3 point, rsv_vec3 direction, float distance)
+    rsv_light_path *path, rsv_vec3 point, rsv_vec3 direction, float distance)
 {
+    const rsv_fog *fog = path->tracer->fog;
+    const rsv_ray ray = { point, direction, distance };
     if (!fog) return rgb_gray(1);
+    if (fog->volume) return rsv_path_volume_transmittance(fog, &path->numbers.random, &ray);
     return rsv_fog_transmittance(fog, rsv_fog_run_of(fog, point, direction, distance).column);
 }
 
@@ -65,7 +69,7 @@ static void add_scattered(rsv_light_path *path, const rsv_fog_vertex *v, rsv_rgb
     float phase = rsv_phase(tracer->fog->anisotropy, v3_dot(v->forward, sample->direction));
     rsv_rgb arriving = rgb_mul(rgb_scale(sample->radiance, (float)(weight * (double)phase)), seen);
     arriving = rgb_mul(arriving,
-        rsv_path_fog_transmittance(tracer->fog, v->point, sample->direction, sample->distance));
+        rsv_path_fog_transmittance(path, v->point, sample->direction, sample->distance));
     rsv_path_add_light(path, path->diffuse_events + 1, throughput, arriving);
 }
 
@@ -88,6 +92,7 @@ static bool set_punctual(
 static double segment_pdf(
     const rsv_fog_lights *lights, const rsv_fog_vertex *v, uint32_t entry, rsv_vec3 place)
 {
+    if (v->by_collision) return 0;
     rsv_equiangular e = rsv_equiangular_of(v->origin, v->forward, place, v->run.begin, v->run.end);
     double pdf = (double)lights->probability[entry] * rsv_equiangular_pdf(&e, v->distance);
     if (entry < lights->emitters) {
@@ -277,8 +282,7 @@ static rsv_fog_outcome pass(rsv_light_path *path, const rsv_fog_vertex *v)
     return rgb_is_black(path->throughput) ? RSV_FOG_ABSORBED : RSV_FOG_PASSED;
 }
 
-/// Turns the path at the vertex, having gathered the sources there.
-static rsv_fog_outcome turn(rsv_light_path *path)
+rsv_fog_outcome rsv_path_turn_in_fog(rsv_light_path *path)
 {
     rsv_fog_vertex *v = &path->vertex;
     const rsv_path_tracer *tracer = path->tracer;
@@ -303,6 +307,7 @@ static rsv_fog_outcome turn(rsv_light_path *path)
 rsv_fog_outcome rsv_path_cross_fog(rsv_light_path *path, float length)
 {
     const rsv_fog *fog = path->tracer->fog;
+    if (fog->volume) return rsv_path_cross_volume(path, length);
     rsv_fog_vertex along = { .origin = path->ray.origin,
         .forward = v3_normalize(path->ray.direction) };
     along.run = rsv_fog_run_of(fog, along.origin, along.forward, length);
@@ -321,5 +326,5 @@ rsv_fog_outcome rsv_path_cross_fog(rsv_light_path *path, float length)
     float density = (float)(rsv_fog_density(&along.run, along.distance) / along.pdf);
     path->throughput = rgb_mul(path->throughput, rgb_scale(scattered_share(fog, column), density));
     path->vertex = along;
-    return turn(path);
+    return rsv_path_turn_in_fog(path);
 }

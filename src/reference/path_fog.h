@@ -22,6 +22,7 @@ struct rsv_light_path;
 
 /// A scattering event in fog, with everything that determines the densities of the techniques.
 typedef struct rsv_fog_vertex {
+    bool by_collision; ///< in fog whose density varies: only the first two techniques are used, and `run` is not set
     bool is_last;     ///< the path's last event was this one
     rsv_vec3 origin;  ///< of the segment that led here
     rsv_vec3 forward; ///< its unit direction
@@ -47,8 +48,12 @@ float rsv_fog_emission_weight(const struct rsv_light_path *path, uint32_t emitte
 /// The same for the environment.
 float rsv_fog_sky_weight(const struct rsv_light_path *path, rsv_vec3 direction);
 
-/// Transmittance of the scene's fog over `distance` metres from a point in the air; 1 without fog.
+/// What the fog of the scene leaves of light over `distance` metres from a point in the air, or an unbiased estimate of that
+/// where its density varies; all without fog.
 rsv_rgb rsv_path_fog_transmittance(
-    const rsv_fog *fog, rsv_vec3 point, rsv_vec3 direction, float distance);
+    struct rsv_light_path *path, rsv_vec3 point, rsv_vec3 direction, float distance);
+
+/// Turns the path at its vertex, having gathered the sources there.
+rsv_fog_outcome rsv_path_turn_in_fog(struct rsv_light_path *path);
 
 #endif

@@ -32,13 +32,12 @@ static rsv_rgb from_source(const rsv_light_path *path, const rsv_medium *medium,
 }
 
 /// The same of a source seen from `point` along `direction`.
-static rsv_rgb from_source_at(const rsv_light_path *path, const rsv_medium *medium, rsv_vec3 point,
+static rsv_rgb from_source_at(rsv_light_path *path, const rsv_medium *medium, rsv_vec3 point,
     rsv_vec3 direction, float distance)
 {
     rsv_rgb arriving = from_source(path, medium, distance);
-    const rsv_fog *fog = path->tracer->fog;
-    if (!fog || medium->depth) return arriving;
-    return rgb_mul(arriving, rsv_path_fog_transmittance(fog, point, direction, distance));
+    if (!path->tracer->fog || medium->depth) return arriving;
+    return rgb_mul(arriving, rsv_path_fog_transmittance(path, point, direction, distance));
 }
 
 void rsv_path_add_light(

@@ -2,9 +2,8 @@
 #include "../core/vec.h"
 #include "restore.h"
 #include "scene.h"
+#include "volume.h"
 
-/// Beyond, a micrometre is opaque, and products with lengths leave the range of float.
-#define LARGEST_EXTINCTION 1e6f
 /// As of an environment's pixels.
 #define LARGEST_EMISSION 1e12f
 
@@ -60,7 +59,7 @@ static rsv_status check_place(const rsv_fog *fog)
 
 static rsv_status check_fog(const rsv_fog *fog)
 {
-    if (!within(fog->extinction, 0, LARGEST_EXTINCTION))
+    if (!within(fog->extinction, 0, RSV_LARGEST_EXTINCTION))
         return refuse_color("an extinction", fog->extinction, "from 0 to 1e6 per metre");
     if (!within(fog->albedo, 0, 1)) return refuse_color("an albedo", fog->albedo, "from 0 to 1");
     if (!within(fog->emission, 0, LARGEST_EMISSION))
@@ -118,6 +117,7 @@ rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog)
     scene->view.fog = NULL;
     if (!fog || rgb_is_black(fog->extinction)) return RSV_OK;
     scene->fog = *fog;
+    scene->fog.volume = NULL;
     scene->fog.base_height = (float)((double)fog->base_height - scene->origin[1]);
     find_box(scene, &scene->fog);
     scene->view.fog = &scene->fog;
@@ -135,6 +135,7 @@ rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog)
     if (check_fog(fog) != RSV_OK || rgb_is_black(fog->extinction) || is_endless(fog))
         return rsv_fail(RSV_ERROR_FORMAT, "scene: a solution cannot have this fog");
     scene->fog = *fog;
+    scene->fog.volume = NULL;
     scene->view.fog = &scene->fog;
     return RSV_OK;
 }

@@ -26,4 +26,7 @@ rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts,
 /// for fog without a box.
 rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog);
 
+/// The densities of that fog's box. RSV_ERROR_FORMAT or what rsv_scene_set_volume says. @param density copied
+rsv_status rsv_scene_restore_volume(rsv_scene *scene, const uint32_t side[3], const float *density);
+
 #endif

@@ -4,6 +4,7 @@
 #include "coat_normal.h"
 #include "placed_luminaire.h"
 #include "punctual.h"
+#include "volume.h"
 
 #include <string.h>
 
@@ -84,6 +85,7 @@ static void release_variant(rsv_scene *scene)
         rsv_free(scene->context, scene->tangent);
     }
     if (scene->owns_environment) rsv_free(scene->context, (void *)scene->environment.pixels);
+    rsv_volumes_destroy(scene->context, scene->volume);
     rsv_free(scene->context, scene);
 }
 
@@ -100,6 +102,7 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_scene_release_environment(scene);
     rsv_scene_release_twins(scene);
     rsv_scene_drop_document(scene);
+    rsv_volumes_destroy(context, scene->volume);
     release_lights_and_colors(scene);
     for (size_t i = 0; !scene->rest && i < scene->texture_count; i++)
         rsv_texture_release(context, &scene->texture[i]);

@@ -80,6 +80,7 @@ struct rsv_scene {
 
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
     rsv_fog fog;                 ///< its box found; the view points here where there is any
+    struct rsv_volume *volume;   ///< of that fog, and those it had before; of a variant, its own alone
     rsv_scene_document document; ///< of a variant, its base's counts
 
     struct rsv_twins_owner *twins; ///< NULL = no two faces lie in the same place

@@ -91,6 +91,7 @@ rsv_status rsv_scene_vary(const rsv_scene *base, rsv_scene **result)
     variant->base = base;
     variant->owns_positions = variant->owns_normals = variant->owns_environment = false;
     variant->material = NULL;
+    variant->volume = NULL;
     variant->light = NULL;
     variant->light_fixture = NULL;
     variant->light_node = NULL;

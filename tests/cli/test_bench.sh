@@ -11,6 +11,11 @@ says '^  final, draft '
 grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
 
+succeeds bench media fog-rooms --size 16 --spp 4 --quality draft --frames 2 --csv media.csv
+says '^  frames, 64x36'
+says 'a light dimmed'
+[[ $(wc -l <media.csv) == 6 ]] || complain "the table of media has not one line per picture"
+
 succeeds bench solvers bright-box --repeat 1 --quality draft --csv solvers.csv --plot solvers.svg
 says '^  auto .*gmres '
 says 'bare gather loop : application'
@@ -97,10 +102,10 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench assemble, solvers, bake, levels, quality, rebake, moving, gpu, fps, rooms and pictures' bench trace --quality draft
-refuses 2 'belongs to bench bake, quality, fig8, fps, rooms and pictures' bench trace --size 64
+refuses 2 'belongs to bench assemble, solvers, bake, levels, quality, media, rebake, moving, gpu, fps, rooms and pictures' bench trace --quality draft
+refuses 2 'belongs to bench bake, quality, media, fig8, fps, rooms and pictures' bench trace --size 64
 refuses 2 'is one number' bench fig8 --size 64x36
-refuses 2 '--frames belongs to bench fps, rooms and moving' bench trace --frames 3
+refuses 2 '--frames belongs to bench fps, media, rooms and moving' bench trace --frames 3
 
 refuses 2 'belong to bench' bench trace --plot trace.svg
 

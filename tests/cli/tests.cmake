@@ -5,6 +5,17 @@ if(TARGET resolvent_program)
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
     endforeach()
+    set(volume_maker "")
+    if(RSV_OPENVDB)
+        add_executable(make_volumes cli/make_volumes.cpp)
+        target_include_directories(make_volumes SYSTEM PRIVATE ${OPENVDB_INCLUDE_DIR})
+        target_compile_options(make_volumes PRIVATE -fvisibility=default)
+        target_link_libraries(make_volumes PRIVATE ${OPENVDB_LIBRARY} ${OPENVDB_TBB_LIBRARY} PkgConfig::OPENEXR)
+        set(volume_maker $<TARGET_FILE:make_volumes>)
+    endif()
+    add_test(NAME cli_volume COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_volume.sh
+        $<TARGET_FILE:resolvent_program> ${volume_maker})
+    set_tests_properties(cli_volume PROPERTIES LABELS slow ENVIRONMENT "${RSV_LEAKS}")
     set_tests_properties(cli_python cli_gltf PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
     set_tests_properties(cli_animation cli_bake cli_bench cli_budget cli_certify cli_daylight cli_document cli_files cli_gltf cli_gpu cli_luminaire cli_photometry cli_relight cli_render cli_scene cli_solve cli_surroundings cli_update
