@@ -131,7 +131,7 @@ static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, u
     rsv_rgb own, float share)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events + MOST_EVENTS, false, NULL, REFLECTED_VARIANCE };
+        path->events + MOST_EVENTS, false, NULL, REFLECTED_VARIANCE, false };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);

@@ -113,10 +113,11 @@ static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
 }
 
 /// Light of sampled sources at a rough surface.
-static rsv_rgb light_aimed(const tree *t, const link *at, const rsv_rough_surface *surface,
-    const rsv_rough_numbers *numbers)
+static rsv_rgb light_aimed(
+    const tree *t, const link *at, rsv_rough_surface *surface, const rsv_rough_numbers *numbers)
 {
     rsv_rough_surface wide;
+    if (t->setting->averages) rsv_rough_find_turns(surface);
     if (!(t->setting->widening > 0) || rsv_punctual_count(t->lights) == 0)
         return rsv_rough_light(surface, t->lights, at->shot, numbers->light);
     rsv_rough_meet(t->scene, surface->path, &wide);

@@ -25,6 +25,9 @@ typedef struct rsv_rough_surface {
     rsv_surface_point point;
     rsv_vec3 wo, normal;
     bool front;
+    rsv_vec3 turn[2]; ///< by which the normal changes from side to side of the footprint
+    uint32_t
+        turns; ///< normals across the footprint that respond to sources aimed at; 0 = the one in its middle
 } rsv_rough_surface;
 
 /// The surface as it is seen. @param path borrowed
@@ -37,6 +40,11 @@ RSV_SHARED void rsv_rough_lift(rsv_rough_surface *surface);
 /// Both.
 RSV_SHARED void rsv_rough_meet(
     const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *surface);
+
+/// Finds how the normal turns across the footprint of what was seen, if that is much beside the width of the lobes: a
+/// highlight on a thin tube is smaller than the footprint, and all of its normals then respond to sources aimed at. The
+/// smaller the footprint, the less that blurs.
+RSV_SHARED void rsv_rough_find_turns(rsv_rough_surface *surface);
 
 /// Whether the lobes of a rough surface are all so wide that a light path which ends there is likely to reach any eye.
 RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
@@ -78,17 +86,23 @@ RSV_SHARED rsv_rgb rsv_rough_sky(
 
 // ---- parts ---------------------------------------------------------------------------------------
 
-/// Response of the rough lobes; nothing where the normals disagree on wi's side.
-RSV_LARGE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
+/// Response of the rough lobes about a normal; nothing where the normals disagree on wi's side.
+RSV_LARGE rsv_bsdf_value rsv_rough_respond_by(
+    const rsv_rough_surface *s, rsv_vec3 normal, rsv_vec3 wi)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };
-    float above = v3_dot(s->normal, wi);
+    float above = v3_dot(normal, wi);
     if (above * v3_dot(above > 0 ? s->point.horizon : s->point.geometric, wi) <= 0) return value;
-    value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, RSV_LOBES_ROUGH);
+    value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, normal, s->front, RSV_LOBES_ROUGH);
     value.response = rgb_scale(value.response, s->bsdf->opacity);
-    float chance = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
+    float chance = rsv_bsdf_specular_chance(s->bsdf, s->wo, normal, s->front);
     if (value.pdf_solid_angle > 0) value.pdf_solid_angle /= chance;
     return value;
+}
+
+RSV_INLINE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
+{
+    return rsv_rough_respond_by(s, s->normal, wi);
 }
 
 RSV_INLINE float rsv_power_heuristic(float own, float other)
@@ -103,6 +117,41 @@ RSV_INLINE rsv_response rsv_rough_weighed(const rsv_bsdf_value *value, float pdf
     rsv_response response;
     response.share = value->response;
     response.factor = rsv_power_heuristic(pdf, value->pdf_solid_angle);
+    return response;
+}
+
+/// The same, as the mean over the normals of the footprint. @param u where they begin, in [0, 1)
+RSV_LARGE rsv_response rsv_rough_mean_response(
+    const rsv_rough_surface *s, rsv_vec3 wi, float pdf, const float u[2])
+{
+    rsv_rgb sum = rgb_gray(0);
+    float seen = 0;
+    for (uint32_t k = 0; k < s->turns; k++) { // evenly over the square (Roberts' sequence)
+        float x = (float)k * 0.7548777f + u[0], y = (float)k * 0.5698403f + u[1];
+        rsv_vec3 normal = v3_mad(s->normal, x - floorf(x) - 0.5f, s->turn[0]);
+        normal = v3_normalize(v3_mad(normal, y - floorf(y) - 0.5f, s->turn[1]));
+        if (v3_dot(normal, s->wo) * v3_dot(s->normal, s->wo) <= 0) continue; // not to be seen
+        rsv_bsdf_value value = rsv_rough_respond_by(s, normal, wi);
+        seen++;
+        if (!(value.pdf_solid_angle > 0)) continue;
+        rsv_response response = rsv_rough_weighed(&value, pdf);
+        sum = rgb_mad(sum, response.factor, response.share);
+    }
+    rsv_response mean;
+    mean.share = rgb_scale(sum, 1 / f_max(seen, 1));
+    mean.factor = 1;
+    return mean;
+}
+
+/// Response to a direction that was aimed at with this density, weighed against draws by the lobes. Punctual lights have an
+/// infinite one, as no draw finds them.
+RSV_INLINE rsv_response rsv_rough_aimed_response(
+    const rsv_rough_surface *s, rsv_vec3 wi, float pdf, const float u[2])
+{
+    if (s->turns) return rsv_rough_mean_response(s, wi, pdf, u);
+    rsv_bsdf_value value = rsv_rough_respond(s, wi);
+    rsv_response response = rsv_rough_weighed(&value, pdf);
+    if (!(value.pdf_solid_angle > 0)) response.share = rgb_gray(0);
     return response;
 }
 

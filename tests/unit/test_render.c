@@ -328,11 +328,80 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
         rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
-        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL, 0 };
+        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL, 0,
+            false };
         rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
     assert_close(sum / count, 1, 3e-3);
+    world_end(w);
+}
+
+/// Balls of metal smaller than a pixel, in the sun.
+static world *metal_balls(void)
+{
+    world *w = world_begin(2);
+    rsv_material metal = mirror_material(0.9f);
+    metal.roughness = 0.3f;
+    uint32_t material = world_material(w, metal);
+    for (int k = 0; k < 49; k++)
+        world_sphere(w, material,
+            v3(-1.2f + 0.4f * (float)(k % 7), -1.2f + 0.4f * (float)(k / 7), 0), 0.06f, 3);
+    const rsv_punctual_light sun = { .name = "sun",
+        .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = { -0.6f, -0.3f, -0.74f },
+        .intensity = { 1, 1, 1 } };
+    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0, 4), v3(0, 0, 0), 0.7f, 1);
+    assert_int_equal(rsv_scene_add_light(w->scene, &sun), RSV_OK);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+/// Mean of pictures of so many seeds. @param noise out: variance of pixels between seeds, on average
+static double mean_of_seeds(
+    const world *w, const rsv_light *s, rsv_render_desc desc, uint32_t seeds, double *noise)
+{
+    enum { PIXELS = 16 * 16 };
+    double sum[PIXELS] = { 0 }, squares = 0, total = 0;
+    for (desc.seed = 0; desc.seed < seeds; desc.seed++) {
+        rsv_image *image;
+        if (desc.mode == RSV_RENDER_REFERENCE)
+            assert_int_equal(rsv_render_reference(w->scene, &desc, &image, NULL), RSV_OK);
+        else
+            image = render(s, &desc);
+        for (int k = 0; k < PIXELS; k++) {
+            double value = (double)rgb_luminance(rsv_image_const_pixels(image, 0)[k]);
+            sum[k] += value;
+            squares += value * value;
+        }
+        rsv_image_destroy(image);
+    }
+    for (int k = 0; k < PIXELS; k++) {
+        total += sum[k];
+        squares -= sum[k] * sum[k] / seeds;
+    }
+    *noise = squares / (seeds - 1) / PIXELS;
+    return total / seeds / PIXELS;
+}
+
+/// Highlights far smaller than a pixel make no sparks, and are as bright as they should be.
+static void small_highlights_are_averaged_over_footprints(void **state)
+{
+    (void)state;
+    world *w = metal_balls();
+    rsv_light *s = solve(w, 400, 64);
+    const rsv_render_desc path_traced = picture_desc(RSV_RENDER_REFERENCE, 16, 16);
+    const rsv_render_desc reference = picture_desc(RSV_RENDER_REFERENCE, 16, 1024);
+    const rsv_render_desc few = picture_desc(RSV_RENDER_FINAL, 16, 16);
+    const rsv_render_desc many = picture_desc(RSV_RENDER_FINAL, 16, 256);
+    double path_traced_noise, few_noise, unused;
+    double truth = mean_of_seeds(w, s, reference, 8, &unused);
+    assert_close(mean_of_seeds(w, s, few, 32, &few_noise), truth, 0.06 * truth);
+    assert_close(mean_of_seeds(w, s, many, 8, &unused), truth, 0.04 * truth);
+    mean_of_seeds(w, s, path_traced, 8, &path_traced_noise);
+    assert_true(few_noise < 0.1 * path_traced_noise);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -470,6 +539,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(small_highlights_are_averaged_over_footprints),
         cmocka_unit_test(layers_sum_to_the_picture),
         cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(operator_and_final_agree_in_the_mean),
