@@ -49,10 +49,11 @@ static rsv_status take(const uint8_t *answer, size_t count, rsv_scene *scene, co
     }
     if ((count - sizeof h) / sizeof(float) != points)
         return rsv_fail(RSV_ERROR_FORMAT, "is damaged");
+    const void *density = answer + sizeof h;
     const rsv_volume_grid grid = { .side = { h.side[0], h.side[1], h.side[2] },
         .low = { h.low[0], h.low[1], h.low[2] },
         .high = { h.high[0], h.high[1], h.high[2] },
-        .density = (const float *)(answer + sizeof h) };
+        .density = density };
     return rsv_scene_set_volume(scene, fog, &grid);
 }
 
