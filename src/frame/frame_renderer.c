@@ -296,6 +296,15 @@ static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
     e->spread = rsv_camera_spread(&e->camera, r->tiling.height) / sqrtf((float)(e->samples + 1));
 }
 
+/// The first frame shows guesses of what rough surfaces reflect where it has traced no rays, and no paths correct them: it
+/// does not count in the mean at rest. (Where the number of frames is known, each has a stratum of its own to sample.)
+static void drop_first(const rsv_frame_renderer *r, rsv_eye_picture *e)
+{
+    if (!reuses_gloss(r) || r->device || r->desc.frames > 1) return;
+    memset(e->sum, 0, (size_t)r->tiling.tile_count * RSV_TILE_PIXELS * sizeof *e->sum);
+    e->dropped = 1;
+}
+
 static void begin_eye(
     rsv_frame_renderer *r, rsv_eye_picture *e, const rsv_frame_view *view, uint32_t k)
 {
@@ -306,8 +315,10 @@ static void begin_eye(
             rsv_medium_above(&r->solution->scene.media, e->camera.position, e->camera.forward);
     }
     e->medium_number = rsv_specular_media_of_eye(&r->media, k, &e->medium);
+    if (e->samples == 0) e->dropped = 0;
+    if (e->samples == 1) drop_first(r, e);
     set_aim(r, e);
-    e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
+    e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)rsv_eye_samples(e),
         .soft = view->soft,
         .first = e->samples == 0 };
 }

@@ -340,7 +340,7 @@ static float (*history_row(const rsv_frame_history *h, uint32_t column, uint32_t
 static void find_mean(const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
 {
     const float(*sum)[4] = (const float(*)[4])eye->sum + (size_t)index * RSV_TILE_PIXELS;
-    float scale = 1 / (float)(eye->samples ? eye->samples : 1);
+    float scale = 1 / (float)(eye->samples > eye->dropped ? eye->samples - eye->dropped : 1);
     for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
         for (int c = 0; c < 4; c++)
             radiance[k][c] = sum[k][c] * scale;
@@ -392,9 +392,9 @@ static void display_resting(const tile *t, uint32_t index)
     add_to_sum(t);
     for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
         for (int c = 0; c < 4; c++)
-            w->radiance[k][c] = t->sum[k][c] / (float)(t->eye->samples + 1);
+            w->radiance[k][c] = t->sum[k][c] / (float)rsv_eye_samples(t->eye);
     rsv_resting_update(&t->eye->resting[index], w->radiance);
-    tone.scale *= (float)(t->eye->samples + 1);
+    tone.scale *= (float)rsv_eye_samples(t->eye);
     tone.first = true;
     for (uint32_t y = 0; y < t->height; y++) {
         float(*radiance)[4] = w->radiance + y * RSV_TILE;

@@ -40,7 +40,8 @@ typedef struct rsv_eye_picture {
         [4]; ///< [tiles][RSV_TILE_PIXELS] radiance of glossy tiles without their lobes; may be NULL
     float (*sum)[4];           ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
     uint8_t (*pixel)[4];       ///< [height * width]
-    uint32_t samples;          ///< in the sums
+    uint32_t samples;          ///< frames that the camera has rested for
+    uint32_t dropped;          ///< of these, the first one if it is not in the sums
     rsv_frame_history history; ///< where lobes are shared, or else empty
     rsv_glossy_cells cells;
     rsv_glossy_pixels *lobes;  ///< [tile_count] of this frame; NULL = paths follow rough lobes
@@ -59,6 +60,12 @@ typedef struct rsv_eye_picture {
     float spread;
     rsv_fog_front fog; ///< before it; slice NULL = the air is clear
 } rsv_eye_picture;
+
+/// Samples in the sums once the frame in the making is added.
+static inline uint32_t rsv_eye_samples(const rsv_eye_picture *eye)
+{
+    return eye->samples + 1 - eye->dropped;
+}
 
 /// Data common to all tiles.
 typedef struct rsv_tiling {

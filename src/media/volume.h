@@ -64,6 +64,7 @@ RSV_INLINE rsv_grid_walk rsv_grid_begin(
     w.line = *line;
     w.at = begin;
     w.end = end;
+    w.cell[0] = w.cell[1] = w.cell[2] = 0; // for gcc's analyser, which does not follow the loop
     for (int k = 0; k < 3; k++) {
         double place = floor(line->origin[k] + begin * line->slope[k]);
         w.last[k] = last[k];

@@ -130,6 +130,10 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
     if (desc->camera >= solution->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: camera %u does not exist, the scene has %zu",
             desc->camera, solution->scene.view->camera_count);
+    if (desc->layers && solution->order_count == 0)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "render: this light keeps no bounces (it followed moved objects, or was changed as a whole), so it has no "
+            "layers; solve again for them");
     if (desc->mode == RSV_RENDER_REFERENCE)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: use rsv_render_reference for mode reference");
     return rsv_film_check(&desc->film,

@@ -76,6 +76,13 @@ static void add_gathered(
                                  : rgb_add(rsv_light_view_direct(s, face, path->u, path->v, true),
                                        rsv_sampled_irradiance(s, path, random));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
+    if (r->job->layer_count == 1) {
+        rsv_rgb e = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, RSV_NONE)
+                                : rsv_elements_interpolate(
+                                      s->elements, s->indirect, face, path->u, path->v);
+        rsv_picture_add_light(r, r->column, 0, rgb_mul(weight, e));
+        return;
+    }
     for (uint32_t order = 1; order < s->order_count; order++) {
         rsv_rgb e = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, order)
                                 : rsv_elements_interpolate(
@@ -104,6 +111,11 @@ static void add_gathered_in_fog(
     weight = rgb_scale(weight, RSV_PI); // of radiance, not of irradiance
     rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
+    if (r->job->layer_count == 1) {
+        rsv_rgb scattered = rsv_light_view_scattered(s, node, RSV_NONE, true);
+        rsv_picture_add_light(r, r->column, 0, rgb_mul(weight, scattered));
+        return;
+    }
     for (uint32_t order = 1; order < s->order_count; order++) {
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
         rsv_picture_add_light(

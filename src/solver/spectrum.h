@@ -6,8 +6,9 @@
 
 /// Bounds of the spectral radius.
 ///
-/// `lower` and `upper` are those of Collatz (1942) and Wielandt (1950): for a nonnegative x, the smallest and the
-/// largest (A x)_i / x_i over the nodes where x is positive. `power` is ||A^k||_inf^(1/k), which is ||A^k 1||_inf^(1/k)
+/// `lower` and `upper` are those of Collatz (1942) and Wielandt (1950): the smallest and the largest (A x)_i / x_i over
+/// the nodes where x is positive. For any nonnegative x, the smallest is a bound; the largest is one for x = A^k 1, whose
+/// zeros belong to zero rows of A^k. `power` is ||A^k||_inf^(1/k), which is ||A^k 1||_inf^(1/k)
 /// for a nonnegative A, and never below the spectral radius (Gelfand). All hold up to rounding of floats.
 typedef struct rsv_spectral_radius {
     double lower, upper; ///< largest of the channels' bounds
@@ -20,8 +21,8 @@ typedef struct rsv_spectral_radius {
 
 typedef struct rsv_power_desc {
     uint32_t max_steps;
-    double gap;      ///< stop when upper - lower is below this
-    double doubt;    ///< stop when `power` is below this, because more is not needed; 0 = continue
+    double gap;   ///< stop when upper - lower is below this
+    double doubt; ///< stop when `power` is below this, because more is not needed; 0 = continue
 
     bool transposed; ///< of A*; `norm`, `power` and `resolvent` are then NAN
 } rsv_power_desc;

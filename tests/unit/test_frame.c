@@ -467,6 +467,43 @@ static void frames_at_rest_do_not_depend_on_threads(void **state)
     assert_true(hash_at_rest(4) == one);
 }
 
+/// A black floor under a coat shows hardly any light of a lamp that is not reflected to the eye. The first frame does not
+/// know that yet.
+static void guesses_of_the_first_frame_do_not_count_at_rest(void **state)
+{
+    (void)state;
+    static rsv_rgb radiance[pixel_count];
+    world *w = world_begin(2);
+    rsv_material coated = lambert_material(0, 0);
+    coated.clearcoat = 1;
+    coated.clearcoat_roughness = 0.1f;
+    world_quad(
+        w, world_material(w, coated), v3(-3, -1, 3), v3(3, -1, 3), v3(3, -1, -3), v3(-3, -1, -3));
+    world_quad(w, world_lambert(w, 0, 5), v3(-0.3f, 2, -0.3f), v3(0.3f, 2, -0.3f),
+        v3(0.3f, 2, 0.3f), v3(-0.3f, 2, 0.3f));
+    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.3f, 4), v3(0, -1, 0), 0.8f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    double first = 0, rested = 0;
+    render_frames(renderer, &view, 1);
+    rsv_frame_radiance(renderer, 0, radiance);
+    for (int k = 0; k < pixel_count; k++)
+        first += (double)rgb_luminance(radiance[k]);
+    render_frames(renderer, &view, 15);
+    rsv_frame_radiance(renderer, 0, radiance);
+    for (int k = 0; k < pixel_count; k++)
+        rested += (double)rgb_luminance(radiance[k]);
+    assert_true(rested < 0.02 * first);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 /// A light that is switched off leaves nothing behind, in the first frame already.
 static void reused_light_goes_with_its_source(void **state)
 {
@@ -797,6 +834,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(frames_at_rest_do_not_depend_on_threads),
+        cmocka_unit_test(guesses_of_the_first_frame_do_not_count_at_rest),
         cmocka_unit_test(reused_light_goes_with_its_source),
         cmocka_unit_test(reused_light_stays_with_its_sources),
         cmocka_unit_test(tracing_alone_leaves_reused_light_as_it_was),
