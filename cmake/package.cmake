@@ -42,7 +42,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME resolvent-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libembree-dev, libtbb-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev, libopenexr-dev, libopenvdb-dev, libwebp-dev, libcjson-dev, zlib1g-dev, libzstd-dev, pkg-config")
+    "libembree-dev, libtbb-dev, libdraco-dev, libmeshoptimizer-dev, libassimp-dev, libopenexr-dev, libwebp-dev, libcjson-dev, zlib1g-dev, libzstd-dev, pkg-config")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS resolvent)
 
 # Plug-ins have packages of their own: the program does without MPI and without a GPU.

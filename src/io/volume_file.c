@@ -5,6 +5,7 @@
 #include "resolvent/io.h"
 #include "volume_vdb.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <string.h>
 
@@ -16,8 +17,23 @@ static rsv_status name_file(const char *path, rsv_status status)
     return rsv_fail(status, "%s: %s", path, message);
 }
 
-#ifdef RSV_OPENVDB
-static rsv_status work(void *user, FILE *answer) { return rsv_vdb_convert(user, answer); }
+/// In the child process.
+static rsv_status work(void *user, FILE *answer)
+{
+    char message[RSV_VDB_MESSAGE_BYTES] = "";
+    void *library = dlopen(RSV_VDB_PLUG_IN, RTLD_NOW | RTLD_LOCAL);
+    if (!library)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "OpenVDB files need the plug-in " RSV_VDB_PLUG_IN
+            ", which is built where libopenvdb-dev is installed: %s",
+            dlerror());
+    rsv_vdb_converter convert = (rsv_vdb_converter)dlsym(library, RSV_VDB_CONVERT);
+    if (!convert)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            RSV_VDB_PLUG_IN " belongs to another version of this program; install it again");
+    rsv_status status = convert(user, answer, message);
+    return status == RSV_OK ? RSV_OK : rsv_fail(status, "%s", message);
+}
 
 /// What a child sent may have gone astray.
 static rsv_status take(const uint8_t *answer, size_t count, rsv_scene *scene, const rsv_fog *fog)
@@ -33,10 +49,11 @@ static rsv_status take(const uint8_t *answer, size_t count, rsv_scene *scene, co
     }
     if ((count - sizeof h) / sizeof(float) != points)
         return rsv_fail(RSV_ERROR_FORMAT, "is damaged");
+    const void *density = answer + sizeof h;
     const rsv_volume_grid grid = { .side = { h.side[0], h.side[1], h.side[2] },
         .low = { h.low[0], h.low[1], h.low[2] },
         .high = { h.high[0], h.high[1], h.high[2] },
-        .density = (const float *)(answer + sizeof h) };
+        .density = density };
     return rsv_scene_set_volume(scene, fog, &grid);
 }
 
@@ -53,13 +70,3 @@ rsv_status rsv_scene_load_volume(rsv_scene *scene, const rsv_fog *fog, const cha
     rsv_free(context, answer);
     return status == RSV_OK ? status : name_file(path, status);
 }
-#else
-rsv_status rsv_scene_load_volume(rsv_scene *scene, const rsv_fog *fog, const char *path)
-{
-    (void)scene, (void)fog;
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "%s: this build does not read OpenVDB files; install libopenvdb-dev, configure and build "
-        "again",
-        path);
-}
-#endif

@@ -1,13 +1,11 @@
-/// OpenVDB's part: one grid of densities of a file, as dense points in their box.
+/// The plug-in: one grid of densities of a file, as dense points in their box.
 #include "volume_vdb.h"
-
-extern "C" {
-#include "../core/core.h"
-}
 
 #include <openvdb/openvdb.h>
 
 #include <cmath>
+#include <cstdarg>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
@@ -15,6 +13,18 @@ extern "C" {
 
 namespace
 {
+
+/// What the converter will say.
+char problem_text[RSV_VDB_MESSAGE_BYTES];
+
+__attribute__((format(printf, 2, 3))) rsv_status fail(rsv_status status, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    std::vsnprintf(problem_text, sizeof problem_text, format, values);
+    va_end(values);
+    return status;
+}
 
 using openvdb::CoordBBox;
 using openvdb::GridBase;
@@ -51,7 +61,7 @@ GridBase::Ptr choose(const openvdb::GridPtrVec &grids)
 rsv_status refuse_size(const CoordBBox &box)
 {
     const openvdb::Coord dim = box.dim();
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+    return fail(RSV_ERROR_UNSUPPORTED,
         "a grid of %d x %d x %d points; at most 2^28 are supported, so make it coarser", dim.x(),
         dim.y(), dim.z());
 }
@@ -69,13 +79,13 @@ rsv_status place(const GridBase &grid, const CoordBBox &box, rsv_vdb_header &hea
 {
     const openvdb::math::Transform &transform = grid.transform();
     if (!transform.isLinear())
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "its grid is tapered; make it a box");
+        return fail(RSV_ERROR_UNSUPPORTED, "its grid is tapered; make it a box");
     const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++)
             if (row == column ? !(matrix[row][column] > 0)
                               : std::fabs(matrix[row][column]) > 1e-9 * matrix[row][row])
-                return rsv_fail(RSV_ERROR_UNSUPPORTED,
+                return fail(RSV_ERROR_UNSUPPORTED,
                     "its grid is turned or mirrored; resample it along the axes");
     const openvdb::Vec3d low = transform.indexToWorld(box.min());
     const openvdb::Vec3d high = transform.indexToWorld(box.max());
@@ -94,7 +104,7 @@ rsv_status fill(const Grid &grid, const CoordBBox &box, std::vector<float> &dens
     const openvdb::Coord dim = box.dim();
     const size_t line = size_t(dim.x()), plane = line * size_t(dim.y());
     if (grid.background() != 0)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        return fail(RSV_ERROR_UNSUPPORTED,
             "its density is %g all around, without end; it must be 0 there",
             double(grid.background()));
     density.resize(plane * size_t(dim.z()));
@@ -114,7 +124,7 @@ rsv_status send(const rsv_vdb_header &header, const std::vector<float> &density,
 {
     if (std::fwrite(&header, sizeof header, 1, answer) != 1 ||
         std::fwrite(density.data(), sizeof(float), density.size(), answer) != density.size())
-        return rsv_fail(RSV_ERROR_IO, "its densities cannot be passed on");
+        return fail(RSV_ERROR_IO, "its densities cannot be passed on");
     return RSV_OK;
 }
 
@@ -125,7 +135,7 @@ template <typename Grid> rsv_status convert_grid(const GridBase &base, FILE *ans
     rsv_vdb_header header = {};
     std::vector<float> density;
     if (grid.activeVoxelCount() == 0 || box.empty())
-        return rsv_fail(RSV_ERROR_FORMAT, "its grid '%s' is empty", grid.getName().c_str());
+        return fail(RSV_ERROR_FORMAT, "its grid '%s' is empty", grid.getName().c_str());
     if (is_too_large(box)) return refuse_size(box);
     box.expand(1);
     rsv_status status = place(grid, box, header);
@@ -151,9 +161,9 @@ rsv_status convert(const char *path, FILE *answer)
     const openvdb::GridPtrVec grids = *file.readAllGridMetadata();
     const GridBase::Ptr chosen = choose(grids);
     CoordBBox box;
-    if (grids.empty()) return rsv_fail(RSV_ERROR_FORMAT, "holds no grid");
+    if (grids.empty()) return fail(RSV_ERROR_FORMAT, "holds no grid");
     if (!chosen)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        return fail(RSV_ERROR_UNSUPPORTED,
             "holds no grid of densities (single numbers, no level set), only %s",
             list_grids(grids).c_str());
     if (says_too_large(*chosen, box)) return refuse_size(box);
@@ -162,15 +172,26 @@ rsv_status convert(const char *path, FILE *answer)
     return convert_grid<openvdb::DoubleGrid>(*grid, answer);
 }
 
-} // namespace
-
-rsv_status rsv_vdb_convert(const char *path, FILE *answer)
+rsv_status try_to_convert(const char *path, FILE *answer)
 {
     try {
         return convert(path, answer);
     } catch (const std::bad_alloc &) {
-        return rsv_fail(RSV_ERROR_MEMORY, "takes more memory than a file of its size may");
+        return fail(RSV_ERROR_MEMORY, "takes more memory than a file of its size may");
     } catch (const std::exception &problem) {
-        return rsv_fail(RSV_ERROR_FORMAT, "is damaged or no OpenVDB file (%.200s)", problem.what());
+        return fail(RSV_ERROR_FORMAT, "is damaged or no OpenVDB file (%.200s)", problem.what());
     }
+}
+
+} // namespace
+
+extern "C" rsv_status rsv_vdb_convert(
+    const char *path, FILE *answer, char message[RSV_VDB_MESSAGE_BYTES]);
+
+extern "C" rsv_status rsv_vdb_convert(
+    const char *path, FILE *answer, char message[RSV_VDB_MESSAGE_BYTES])
+{
+    const rsv_status status = try_to_convert(path, answer);
+    std::memcpy(message, problem_text, sizeof problem_text);
+    return status;
 }

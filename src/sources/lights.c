@@ -139,7 +139,7 @@ static void list_punctual(rsv_lights *lights)
 void rsv_lights_warn_if_dark(const rsv_lights *lights)
 {
     bool lit = lights->emitter_count > 0 || lights->punctual_count > 0;
-    lit = lit || (lights->environment && lights->environment->sampler.flux > 0);
+    lit = lit || (lights->environment && !rgb_is_black(rsv_sky_flux(&lights->environment->whole)));
     if (!lit)
         rsv_log(lights->context, RSV_LOG_WARNING,
             "the scene has no light (emissive material, punctual light or environment): pictures "

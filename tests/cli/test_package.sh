@@ -151,7 +151,8 @@ if command -v dpkg-shlibdeps >/dev/null; then
         [[ $(dpkg-deb --contents "$package") == */usr/share/doc/resolvent-${plug_in#*:}/copyright* ]]
         [[ $(dpkg-deb --field "$package" Depends) == *"resolvent (= "* ]]
     done
-    [[ $(dpkg-deb --field "$program" Depends) != *mpi* && -z $(grep 'libresolvent_' "$work/resolvent.contents") ]]
+    [[ $(dpkg-deb --field "$program" Depends) != *mpi* ]]
+    [[ -z $(grep -E 'libresolvent_(mpi|cuda)' "$work/resolvent.contents") ]]
     for name in embree draco assimp openexr cjson; do
         [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
     done
