@@ -56,6 +56,15 @@ RSV_INLINE void rsv_grid_aim(rsv_grid_walk *w, int axis)
     w->next[axis] = slope == 0 || leaves ? INFINITY : (plane - w->line.origin[axis]) / slope;
 }
 
+/// Finds the cell that a walk begins in, along one axis.
+RSV_INLINE void rsv_grid_enter(rsv_grid_walk *w, int axis, int32_t last)
+{
+    double place = floor(w->line.origin[axis] + w->at * w->line.slope[axis]);
+    w->last[axis] = last;
+    w->cell[axis] = (int32_t)fmin(fmax(place, 0.0), (double)last);
+    rsv_grid_aim(w, axis);
+}
+
 /// @param begin, end metres, within the grid @param last the last cell along each axis
 RSV_INLINE rsv_grid_walk rsv_grid_begin(
     const rsv_grid_line *line, const int32_t last[3], double begin, double end)
@@ -64,13 +73,9 @@ RSV_INLINE rsv_grid_walk rsv_grid_begin(
     w.line = *line;
     w.at = begin;
     w.end = end;
-    w.cell[0] = w.cell[1] = w.cell[2] = 0; // for gcc's analyser, which does not follow the loop
-    for (int k = 0; k < 3; k++) {
-        double place = floor(line->origin[k] + begin * line->slope[k]);
-        w.last[k] = last[k];
-        w.cell[k] = (int32_t)fmin(fmax(place, 0.0), (double)last[k]);
-        rsv_grid_aim(&w, k);
-    }
+    rsv_grid_enter(&w, 0, last[0]); // one by one: gcc's analyser does not follow a loop
+    rsv_grid_enter(&w, 1, last[1]);
+    rsv_grid_enter(&w, 2, last[2]);
     return w;
 }
 
