@@ -267,16 +267,10 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
 /// Variance of the normals across a cell, by those of the triangle's corners: sum over both directions, radian^2.
 static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface *s)
 {
-    const uint32_t *corner = view->triangle[s->path->triangle];
-    rsv_vec3 edge[2], turn[2];
-    for (int k = 0; k < 2; k++) {
-        edge[k] = v3_sub(view->position[corner[k + 1]], view->position[corner[0]]);
-        turn[k] = v3_sub(view->normal[corner[k + 1]], view->normal[corner[0]]);
-    }
-    float a = v3_dot(edge[0], edge[0]), b = v3_dot(edge[0], edge[1]), c = v3_dot(edge[1], edge[1]);
-    float squares = c * v3_dot(turn[0], turn[0]) - 2 * b * v3_dot(turn[0], turn[1]) +
-                    a * v3_dot(turn[1], turn[1]);
-    float per_metre = squares / f_max(a * c - b * b, 1e-30f);
+    const rsv_normal_change n = rsv_normal_change_of(view, s->path->triangle);
+    float squares = n.c * v3_dot(n.turn[0], n.turn[0]) - 2 * n.b * v3_dot(n.turn[0], n.turn[1]) +
+                    n.a * v3_dot(n.turn[1], n.turn[1]);
+    float per_metre = squares / n.squared_area;
     float cos = f_max(fabsf(v3_dot(s->point.geometric, s->wo)), 0.25f), pixel = s->path->width;
     return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
 }

@@ -1,5 +1,6 @@
 #include "file_source.h"
 #include "image_internal.h"
+#include "image_ktx.h"
 #include "texture_image.h"
 
 #include <stdio.h>
@@ -31,6 +32,20 @@ static const image_format *find_format(const char *path)
     for (size_t i = 0; extension && i < sizeof formats / sizeof *formats; i++)
         if (strcasecmp(extension, formats[i].extension) == 0) return &formats[i];
     return NULL;
+}
+
+bool rsv_image_is_webp(const rsv_image_file *file)
+{
+    return file->size >= 12 && memcmp(file->bytes, "RIFF", 4) == 0 &&
+           memcmp(file->bytes + 8, "WEBP", 4) == 0;
+}
+
+bool rsv_image_is_ktx(const rsv_image_file *file)
+{
+    static const uint8_t identifier[12] = { 0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n',
+        0x1a, '\n' };
+    return file->size >= sizeof identifier &&
+           memcmp(file->bytes, identifier, sizeof identifier) == 0;
 }
 
 /// The format told by the first bytes, whatever the name; NULL = not recognised.

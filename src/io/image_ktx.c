@@ -14,15 +14,6 @@
 /// The most that a byte packed by Zstandard can become, and more than one by zlib.
 #define BYTES_PER_PACKED_BYTE 65536
 
-static const uint8_t identifier[12] = { 0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a,
-    '\n' };
-
-bool rsv_image_is_ktx(const rsv_image_file *file)
-{
-    return file->size >= sizeof identifier &&
-           memcmp(file->bytes, identifier, sizeof identifier) == 0;
-}
-
 // ---- the header ---------------------------------------------------------------------------------
 
 typedef enum texel_type { UNORM8, UNORM16, FLOAT16, FLOAT32 } texel_type;

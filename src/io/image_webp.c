@@ -3,17 +3,10 @@
 #include "texture_image.h"
 
 #include <stdlib.h>
-#include <string.h>
 #include <webp/decode.h>
 
 /// No honest picture packs more into a byte; but one of a single colour takes almost no bytes.
 #define PIXELS_PER_BYTE (UINT64_C(1) << 20)
-
-bool rsv_image_is_webp(const rsv_image_file *file)
-{
-    return file->size >= 12 && memcmp(file->bytes, "RIFF", 4) == 0 &&
-           memcmp(file->bytes + 8, "WEBP", 4) == 0;
-}
 
 static rsv_status fail_webp(const rsv_image_file *file, VP8StatusCode code)
 {

@@ -3,8 +3,6 @@
 #include "scene_read.h"
 #include "texture_image.h"
 
-#include <string.h>
-
 static rsv_status refuse(const char *path, const char *format)
 {
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
@@ -13,8 +11,7 @@ static rsv_status refuse(const char *path, const char *format)
 
 // ---- OpenEXR ----------------------------------------------------------------------------------------
 
-rsv_status rsv_image_decode_exr(
-    rsv_context *context, const rsv_image_file *file, rsv_image **image)
+rsv_status rsv_image_decode_exr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
 {
     (void)context;
     (void)image;
@@ -31,12 +28,6 @@ rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atom
 
 // ---- WebP -------------------------------------------------------------------------------------------
 
-bool rsv_image_is_webp(const rsv_image_file *file)
-{
-    return file->size >= 12 && memcmp(file->bytes, "RIFF", 4) == 0 &&
-           memcmp(file->bytes + 8, "WEBP", 4) == 0;
-}
-
 rsv_status rsv_image_decode_webp(const rsv_image_file *file, rsv_image_codes *codes)
 {
     (void)codes;
@@ -52,14 +43,6 @@ rsv_status rsv_image_decode_webp_picture(
 }
 
 // ---- KTX --------------------------------------------------------------------------------------------
-
-bool rsv_image_is_ktx(const rsv_image_file *file)
-{
-    static const uint8_t identifier[] = { 0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a,
-        '\n' };
-    return file->size >= sizeof identifier &&
-           memcmp(file->bytes, identifier, sizeof identifier) == 0;
-}
 
 rsv_status rsv_ktx_decode(
     rsv_context *context, const rsv_image_file *file, rsv_ktx_picture *picture)
@@ -84,6 +67,6 @@ rsv_status rsv_assimp_read(
     (void)kind;
     (void)desc;
     (void)scene;
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "this format is not supported in web pages; convert it to .glb");
+    return rsv_fail(
+        RSV_ERROR_UNSUPPORTED, "this format is not supported in web pages; convert it to .glb");
 }

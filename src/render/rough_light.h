@@ -86,6 +86,29 @@ RSV_SHARED rsv_rgb rsv_rough_sky(
 
 // ---- parts ---------------------------------------------------------------------------------------
 
+/// By what the interpolated normal of a triangle changes in its plane.
+typedef struct rsv_normal_change {
+    rsv_vec3 edge[2],
+        turn[2];        ///< from corner 0 to corners 1 and 2; changes of the normal along these
+    float a, b, c;      ///< e0 e0, e0 e1, e1 e1
+    float squared_area; ///< of the parallelogram, never 0
+} rsv_normal_change;
+
+RSV_INLINE rsv_normal_change rsv_normal_change_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_normal_change n;
+    for (int k = 0; k < 2; k++) {
+        n.edge[k] = v3_sub(view->position[corner[k + 1]], view->position[corner[0]]);
+        n.turn[k] = v3_sub(view->normal[corner[k + 1]], view->normal[corner[0]]);
+    }
+    n.a = v3_dot(n.edge[0], n.edge[0]);
+    n.b = v3_dot(n.edge[0], n.edge[1]);
+    n.c = v3_dot(n.edge[1], n.edge[1]);
+    n.squared_area = f_max(n.a * n.c - n.b * n.b, 1e-30f);
+    return n;
+}
+
 /// Response of the rough lobes about a normal; nothing where the normals disagree on wi's side.
 RSV_LARGE rsv_bsdf_value rsv_rough_respond_by(
     const rsv_rough_surface *s, rsv_vec3 normal, rsv_vec3 wi)

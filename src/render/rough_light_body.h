@@ -21,34 +21,27 @@ RSV_SHARED void rsv_rough_see(
     s->turns = 0;
 }
 
-/// Normals across a footprint, and the change of normals from which on they are looked at, in widths of the lobes. With
-/// half of it, or twice as many, noise in the Japanese classroom is the same.
+/// Normals across a footprint, and the change of normals from which on they are looked at, in widths of the lobes.
 #define FOOTPRINT_NORMALS 16
 #define LEAST_TURN 0.3f
-/// Largest change along a side, radian. Normals farther apart are often not of the visible surface: small balls of metal in
-/// the sun were a fifth too bright without a limit, with four rays across a ball.
+/// Largest change along a side, radian. Normals farther apart are often not of the visible surface: without a limit,
+/// small balls of metal in the sun were a fifth too bright with 16 camera rays in a pixel, which was larger than a ball.
 #define MOST_TURN 0.8f
 /// Least cosine that footprints are stretched by.
 #define LEAST_COSINE 0.25f
 
-/// By what the interpolated normal of a triangle changes along a way in its plane.
-RSV_INLINE rsv_vec3 rsv_turn_along(const rsv_scene_view *view, uint32_t triangle, rsv_vec3 way)
+/// The change along a way in the plane.
+RSV_INLINE rsv_vec3 rsv_turn_along(const rsv_normal_change *n, rsv_vec3 way)
 {
-    const uint32_t *corner = view->triangle[triangle];
-    rsv_vec3 edge[2], turn[2];
-    for (int k = 0; k < 2; k++) {
-        edge[k] = v3_sub(view->position[corner[k + 1]], view->position[corner[0]]);
-        turn[k] = v3_sub(view->normal[corner[k + 1]], view->normal[corner[0]]);
-    }
-    float a = v3_dot(edge[0], edge[0]), b = v3_dot(edge[0], edge[1]), c = v3_dot(edge[1], edge[1]);
-    float p = v3_dot(way, edge[0]), q = v3_dot(way, edge[1]), scale = f_max(a * c - b * b, 1e-30f);
-    rsv_vec3 first = v3_scale(turn[0], (c * p - b * q) / scale);
-    return v3_mad(first, (a * q - b * p) / scale, turn[1]);
+    float p = v3_dot(way, n->edge[0]), q = v3_dot(way, n->edge[1]);
+    rsv_vec3 first = v3_scale(n->turn[0], (n->c * p - n->b * q) / n->squared_area);
+    return v3_mad(first, (n->a * q - n->b * p) / n->squared_area, n->turn[1]);
 }
 
 RSV_SHARED void rsv_rough_find_turns(rsv_rough_surface *s)
 {
     const rsv_bsdf *bsdf = s->bsdf;
+    const rsv_normal_change change = rsv_normal_change_of(s->scene->view, s->path->triangle);
     float cos = v3_dot(s->wo, s->point.geometric), squares = 0, alpha = bsdf->alpha;
     if (fabsf(cos) < LEAST_COSINE) cos = copysignf(LEAST_COSINE, cos);
     rsv_vec3 side[2];
@@ -56,8 +49,7 @@ RSV_SHARED void rsv_rough_find_turns(rsv_rough_surface *s)
     for (int k = 0; k < 2; k++) {
         float rise = v3_dot(side[k], s->point.geometric) / cos;
         rsv_vec3 way = v3_mad(side[k], -rise, s->wo);
-        s->turn[k] =
-            v3_scale(rsv_turn_along(s->scene->view, s->path->triangle, way), s->path->width);
+        s->turn[k] = v3_scale(rsv_turn_along(&change, way), s->path->width);
         float square = v3_dot(s->turn[k], s->turn[k]);
         if (square > MOST_TURN * MOST_TURN)
             s->turn[k] = v3_scale(s->turn[k], MOST_TURN / sqrtf(square));

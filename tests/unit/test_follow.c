@@ -130,6 +130,44 @@ static void motions_that_make_no_sense_are_refused(void **state)
     close_stage(&s);
 }
 
+// ---- pictures ---------------------------------------------------------------------------------------
+
+static double mean_of_picture(const rsv_light *light, uint32_t gather_rays)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    rsv_image *image;
+    double sum = 0;
+    desc.width = desc.height = 24;
+    desc.samples = 64;
+    desc.gather_rays = gather_rays;
+    if (rsv_render(light, &desc, &image) != RSV_OK) fail_msg("%s", rsv_last_error());
+    for (uint32_t k = 0; k < desc.width * desc.height; k++)
+        sum += (double)rgb_luminance(rsv_image_const_pixels(image, 0)[k]);
+    rsv_image_destroy(image);
+    return sum / (desc.width * desc.height);
+}
+
+/// Light that has followed an object keeps no bounces of its own: layers are refused, and gather rays bring all of them.
+static void pictures_miss_no_bounce(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-blocks", "short block");
+    rsv_solve_desc desc = small_desc();
+    rsv_light *light = solve(s.scene, &desc);
+    follow(light, &s, motion_of(&s, v3(0.1f, 0, 0), 0, 0, 0));
+    assert_int_equal(rsv_light_order_count(light), 0);
+    double looked_up = mean_of_picture(light, 0);
+    assert_close(mean_of_picture(light, 1), looked_up, 0.03 * looked_up);
+    rsv_render_desc layers = rsv_default_render_desc();
+    rsv_image *image = NULL;
+    layers.layers = true;
+    assert_int_equal(rsv_render(light, &layers, &image), RSV_ERROR_UNSUPPORTED);
+    assert_null(image);
+    assert_non_null(strstr(rsv_last_error(), "layers"));
+    rsv_light_destroy(light);
+    close_stage(&s);
+}
+
 // ---- rows -----------------------------------------------------------------------------------------
 
 static int compare_nodes(const void *left, const void *right)
@@ -513,6 +551,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(objects_may_go_through_walls),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(pictures_miss_no_bounce),
         cmocka_unit_test(patched_rows_are_those_traced_anew),
         cmocka_unit_test(patched_rows_past_glass_are_those_traced_anew),
         cmocka_unit_test(light_is_that_of_solves),
