@@ -25,7 +25,7 @@ static rsv_status work(void *user, FILE *answer)
     if (!library)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "OpenVDB files need the plug-in " RSV_VDB_PLUG_IN
-            ", which is built where libopenvdb-dev is installed: %s",
+            ", which is built where libopenvdb-dev and libboost-dev are installed: %s",
             dlerror());
     rsv_vdb_converter convert = (rsv_vdb_converter)dlsym(library, RSV_VDB_CONVERT);
     if (!convert)
