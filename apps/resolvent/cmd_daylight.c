@@ -25,8 +25,9 @@ static const char help[] =
     "  --north DEG        direction of north, degrees clockwise from -z, seen from above (default 0)\n"
     "  --ground ALBEDO    albedo of the ground outside the scene (default 0.2)\n"
     "  --sky-only         leave out the sun's direct light; it still lights the ground outside\n"
-    "  --shaded SCENE     the same scene with its shades down, used while --shade-lux (default 1000) or\n"
-    "                     more of direct sun reach --shade-share (default 2 %) of the sensors\n"
+    "  --shaded SCENE     the same scene with its shades down, used in each room while --shade-lux\n"
+    "                     (default 1000) or more of direct sun reach more than --shade-share\n"
+    "                     (default 2 %) of the room's sensors, as in IES LM-83\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in lux\n" CLI_MESH_HELP
         CLI_READING_HELP CLI_SOLVE_HELP
@@ -217,15 +218,19 @@ static bool write_reports(const daylight_job *job, size_t k, size_t buried)
 
 static void print_rooms(const daylight_job *job)
 {
-    printf("room sensors  mean lux  sDA %%  ASE %%  DF %%   EN 17037\n");
+    const double *shaded = job->report.room_shaded_hours;
+    printf("room sensors  mean lux  sDA %%  ASE %%  DF %%  %sEN 17037\n",
+        shaded ? "shades down, h  " : " ");
     for (size_t r = 0; r < job->run.room_count; r++) {
         const rsv_figure *room = job->report.room[r];
         size_t count = 0;
         for (size_t k = 0; k < job->points.count; k++)
             count += job->room[k] == r;
-        printf("%4zu %7zu %9.4g %6.1f %6.1f %6.2f  %s\n", r, count, room[RSV_SPACE_MEAN].value,
+        printf("%4zu %7zu %9.4g %6.1f %6.1f %6.2f  ", r, count, room[RSV_SPACE_MEAN].value,
             100 * room[RSV_SPACE_SDA].value, 100 * room[RSV_SPACE_ASE].value,
-            100 * room[RSV_SPACE_DAYLIGHT_FACTOR].value, cli_daylight_class_name(room));
+            100 * room[RSV_SPACE_DAYLIGHT_FACTOR].value);
+        if (shaded) printf("%14.6g  ", shaded[r]);
+        printf("%s\n", cli_daylight_class_name(room));
     }
 }
 
@@ -239,7 +244,9 @@ static void print_space(const daylight_job *job)
             (share ? 100 : 1) * figure.standard_error, share ? "%" : facts.unit);
     }
     if (job->run.shaded)
-        printf("%-42s %8.4g             h\n", "shades down", job->report.shaded_hours);
+        printf("%-42s %8.4g             h\n",
+            job->run.room_count > 1 ? "shades down, mean of the sensors" : "shades down",
+            job->report.shaded_hours);
     printf(
         "%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(job->report.space));
     if (job->run.room_count > 1) print_rooms(job);

@@ -80,7 +80,8 @@ static void print_rooms(FILE *f, const cli_daylight_result *r)
     fputs("<h2>Rooms</h2>\n<table class=\"rooms\"><tr><th>Room</th><th>Sensors</th>", f);
     for (int c = 0; c < columns; c++)
         fprintf(f, "<th>%s</th>", title[c]);
-    fputs("<th>EN 17037</th></tr>\n", f);
+    const double *shaded = r->report->room_shaded_hours;
+    fprintf(f, "%s<th>EN 17037</th></tr>\n", shaded ? "<th>Shades down, h</th>" : "");
     for (size_t k = 0; k < r->run->room_count; k++) {
         const rsv_figure *room = r->report->room[k];
         size_t count = 0;
@@ -92,6 +93,7 @@ static void print_rooms(FILE *f, const cli_daylight_result *r)
             fprintf(f, "<td>%.4g &plusmn; %.2g</td>", scale * room[shown[c]].value,
                 scale * room[shown[c]].standard_error);
         }
+        if (shaded) fprintf(f, "<td>%.6g</td>", shaded[k]);
         fprintf(f, "<td>%s</td></tr>\n", cli_daylight_class_name(room));
     }
     fputs("</table>\n<p>Point at a sensor in a plan to read its room.</p>\n", f);

@@ -124,6 +124,8 @@ static void add_rooms(cJSON *root, const cli_daylight_result *r)
         cJSON *sensors = cJSON_AddArrayToObject(room, "sensors");
         for (size_t s = 0; s < r->points->count; s++)
             if (r->run->room[s] == k) cJSON_AddItemToArray(sensors, cJSON_CreateNumber((double)s));
+        if (r->report->room_shaded_hours)
+            cJSON_AddNumberToObject(room, "shaded_hours", r->report->room_shaded_hours[k]);
         add_space(room, r->report->room[k]);
     }
 }

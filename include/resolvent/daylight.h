@@ -135,8 +135,9 @@ typedef struct rsv_daylight_run_desc {
     double from, to; ///< occupied hours of every day, standard time; default 8 to 18
     float *hourly;   ///< out, [weather->count][sensor count] lux; NULL = not wanted
     /// Coefficients with the shades down, for the same sensors, patches and north; NULL = there are no shades. They are
-    /// used while, with the shades up, at least `shade_lux` (default 1000) would come directly from the sun on
-    /// `shade_share` (0.02) of the sensors. Hours of sun and daylight factors are those without shades.
+    /// used, room by room, while with the shades up at least `shade_lux` (default 1000) would come directly from the
+    /// sun on more than `shade_share` (0.02) of the room's sensors. Without `room`, all sensors are one room. Hours of
+    /// sun and daylight factors are those without shades.
     const rsv_daylight *shaded;
     double shade_lux, shade_share;
     /// [sensor count] room of each sensor, below room_count, for figures by room; NULL = not wanted
@@ -160,7 +161,8 @@ typedef struct rsv_daylight_report {
     rsv_figure (*room)
         [RSV_SPACE_FIGURES]; ///< [room_count] the same for the sensors of each room; NULL = not wanted
     double hours, occupied_hours, daylight_hours; ///< in the file
-    double shaded_hours;                          ///< with the shades down
+    double shaded_hours;                          ///< with the shades down, mean of the sensors
+    double *room_shaded_hours; ///< [room_count] of each room; NULL = no rooms or no shades
 } rsv_daylight_report;
 
 /// Evaluates a weather file. Standard errors come from independent randomisations (jackknife), and from the noise and

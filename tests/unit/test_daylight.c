@@ -482,6 +482,48 @@ static void shades_go_down_in_the_sun(void **state)
     world_end(w);
 }
 
+/// Shades of a room go down if more than 2 % of its own sensors are in the sun: one of 50 is not, one of 49 is.
+static void shades_go_down_room_by_room(void **state)
+{
+    (void)state;
+    enum { first = 50, count = 99 };
+    world *w = world_begin(2), *closed = world_begin(2);
+    build_open(w);
+    world_box(closed, world_lambert(closed, 0, 0), v3(10, -1, -10), v3(30, 1, 10));
+    world_commit(closed);
+    rsv_weather_hour hour = record_at(6, 21, 10.5, 700, 150);
+    rsv_weather weather = weather_of(&hour, 1);
+    rsv_probe sensor[count];
+    uint32_t room[count];
+    for (uint32_t k = 0; k < count; k++) { // the others face down, and their rooms are mixed
+        room[k] = k < 2 * (count - first) ? k % 2 : 0;
+        sensor[k] = up_at(20, 0, 0);
+        sensor[k].normal.y = k < 2 ? 1 : -1;
+    }
+    rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_DRAFT);
+    desc.sensor_rays = 240;
+    solved open = solve_with(w, &weather, sensor, count, &desc, 300);
+    solved down = solve_with(closed, &weather, sensor, count, &desc, 300);
+    float lux[count];
+    rsv_daylight_report report;
+    rsv_daylight_run_desc run = rsv_default_daylight_run_desc();
+    run.hourly = lux, run.shaded = down.daylight;
+    run.room = room, run.room_count = 2;
+    assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_OK);
+    assert_true(lux[0] > 10000 && lux[2] > 0); // room 0
+    assert_true(lux[1] == 0 && lux[3] == 0);   // room 1
+    assert_close(report.room_shaded_hours[0], 0, 0);
+    assert_close(report.room_shaded_hours[1], 1, 0);
+    assert_close(report.shaded_hours, 49.0 / 99, 1e-9);
+    rsv_daylight_report_free(open.daylight, &report);
+    room[0] = 2;
+    assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_ERROR_ARGUMENT);
+    release(&down);
+    release(&open);
+    world_end(closed);
+    world_end(w);
+}
+
 // ---- errors, threads, input -------------------------------------------------------------------------
 
 enum { seeds = 8, tried = 3 };
@@ -726,6 +768,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(sun_passes_clear_panes),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(shades_go_down_in_the_sun),
+        cmocka_unit_test(shades_go_down_room_by_room),
         cmocka_unit_test(hours_are_those_of_the_path_tracer),
         cmocka_unit_test(room_is_that_of_radiance),
     };
