@@ -60,12 +60,13 @@ static void print_figure(FILE *f, rsv_figure_facts facts, rsv_figure figure)
 
 static void print_summary(FILE *f, const cli_daylight_result *r)
 {
+    bool rooflit = cli_daylight_is_rooflit(r->rooflit, r->run->room_count);
     fputs("<table><tr><th>Figure</th><th>Value</th><th>Standard error</th><th></th></tr>\n", f);
     for (int k = 0; k < RSV_SPACE_FIGURES; k++)
         print_figure(f, rsv_space_figure_facts((rsv_space_figure)k), r->report->space[k]);
     fprintf(f,
-        "<tr><td>EN 17037, daylight provision</td><td>%s</td><td></td><td></td></tr></table>\n",
-        cli_daylight_class_name(r->report->space));
+        "<tr><td>EN 17037, daylight provision%s</td><td>%s</td><td></td><td></td></tr></table>\n",
+        rooflit ? ", horizontal openings" : "", cli_daylight_class_name(r->report->space, rooflit));
 }
 
 /// Room by room, if there are several.
@@ -94,7 +95,8 @@ static void print_rooms(FILE *f, const cli_daylight_result *r)
                 scale * room[shown[c]].standard_error);
         }
         if (shaded) fprintf(f, "<td>%.6g</td>", shaded[k]);
-        fprintf(f, "<td>%s</td></tr>\n", cli_daylight_class_name(room));
+        fprintf(f, "<td>%s%s</td></tr>\n", cli_daylight_class_name(room, r->rooflit[k]),
+            r->rooflit[k] ? " (rooflights)" : "");
     }
     fputs("</table>\n<p>Point at a sensor in a plan to read its room.</p>\n", f);
 }
