@@ -126,12 +126,20 @@ bool rsv_any_glossy(const rsv_transport_scene *scene)
 
 // ---- maps ---------------------------------------------------------------------------------------
 
+static bool same_transform(const rsv_texture_ref *a, const rsv_texture_ref *b)
+{
+    bool same = true;
+    for (int k = 0; k < 6; k++)
+        same = same && a->transform[k / 3][k % 3] == b->transform[k / 3][k % 3];
+    return same;
+}
+
 /// Whether the texels of two maps lie in the same places.
 static bool are_alike(
     const rsv_scene_view *scene, const rsv_texture_ref *a, const rsv_texture_ref *b)
 {
     const rsv_texture *of_a = &scene->texture[a->texture], *of_b = &scene->texture[b->texture];
-    return a->uv_set == b->uv_set && !memcmp(a->transform, b->transform, sizeof a->transform) &&
+    return a->uv_set == b->uv_set && same_transform(a, b) &&
            of_a->level_count == of_b->level_count && of_a->wrap_u == of_b->wrap_u &&
            of_a->wrap_v == of_b->wrap_v && of_a->channel_count == of_b->channel_count &&
            of_a->level[0].width == of_b->level[0].width &&
