@@ -409,6 +409,14 @@ static rsv_status build_parts(const cli_view_editor *e, rsv_scene **parts)
     return status;
 }
 
+static bool is_moved(const cli_edited_object *object)
+{
+    bool moves = false;
+    for (int k = 0; k < 16; k++)
+        moves = moves || object->matrix[k] != identity[k];
+    return moves;
+}
+
 /// @param version out: the parts where they are now
 static rsv_status place_parts(const cli_view_editor *e, const rsv_scene *parts, rsv_scene **version)
 {
@@ -420,7 +428,7 @@ static rsv_status place_parts(const cli_view_editor *e, const rsv_scene *parts, 
     for (size_t k = next_shown(now, 0); k < now->object_count; k = next_shown(now, k + 1)) {
         motion[count].object = object++;
         memcpy(motion[count].matrix, now->object[k].matrix, sizeof identity);
-        count += memcmp(now->object[k].matrix, identity, sizeof identity) != 0;
+        count += is_moved(&now->object[k]);
     }
     rsv_status status = rsv_scene_move(parts, motion, count, version);
     free(motion);
