@@ -168,7 +168,7 @@ static void print_row(
 
 static void print_certificate(const rsv_certificate *c)
 {
-    printf("%u points, largest albedo met %.3f\n", c->samples, c->max_albedo);
+    printf("%u points on surfaces with an albedo of up to %.3f\n", c->samples, c->max_albedo);
     print_row(c, "irradiance", c->irradiance_rms, NULL);
     print_row(c, "residual", c->residual_rms, c->residual_ci95);
     print_row(c, "bound", c->error_bound_rms, NULL);
