@@ -18,8 +18,8 @@ static const char help[] =
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file, for engines and web pages.\n"
     "Everything else in the file is kept: nodes, animations, cameras, extras, extensions. Other scenes\n"
-    "become a new glTF file. A file from `solve` or `relight` is baked as it is, with its lights and\n"
-    "colours. docs/bake.md describes the output.\n"
+    "become a new glTF file. A file from `solve` or `relight` is baked with its lights and colours,\n"
+    "without solving again. docs/bake.md describes the output.\n"
     "\n"
     "  --to TARGET        one of {--to}\n"
     "  --to vertex        light in COLOR_0; surfaces are subdivided where the light requires it\n"
@@ -318,7 +318,8 @@ static int run(cli_session *session, settings *s)
     session->moment = s->moment;
     session->reading = s->reading;
     session->max_bytes = s->solve.max_bytes;
-    session->keep_document = true; // .glb files are written anew, others keep what it says of itself
+    session->keep_document =
+        true; // .glb files are written anew, others keep what it says of itself
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);
     cli_close_subject(&subject);
