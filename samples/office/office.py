@@ -107,22 +107,22 @@ def write_glb(path, meshes):
 
 
 def write_points(path):
-    """Nine points on each desk."""
+    """Fifteen points on each desk, 0.3 m apart."""
     with open(path, "w") as file:
         file.write("x,y,z,nx,ny,nz\n")
         for x, z in desks():
             for dz in (-0.3, 0, 0.3):
-                for dx in (-0.6, 0, 0.6):
+                for dx in (-0.6, -0.3, 0, 0.3, 0.6):
                     file.write(f"{x + dx:.2f},{DESK},{z + dz:.2f},0,1,0\n")
 
 
-def write_luminaire(path, lumens=3600):
+def write_luminaire(path, lumens=4200):
     """A diffuse panel of 0.6 x 0.6 m that shines downwards: intensity lumens / pi x cos(angle)."""
     angles = range(0, 91, 5)
     candela = " ".join(f"{lumens / math.pi * math.cos(math.radians(a)):.1f}" for a in angles)
     with open(path, "w") as file:
         file.write("IESNA:LM-63-2002\n[LUMINAIRE] diffuse panel\nTILT=NONE\n"
-                   f"1 {lumens} 1 {len(angles)} 1 1 2 0.6 0.6 0\n1 1 30\n"
+                   f"1 {lumens} 1 {len(angles)} 1 1 2 0.6 0.6 0\n1 1 35\n"
                    f"{' '.join(map(str, angles))}\n0\n{candela}\n")
 
 
