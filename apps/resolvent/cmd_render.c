@@ -8,6 +8,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "photometry.h"
+#include "sequence.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -283,6 +284,11 @@ static bool check_request(const settings *s)
             100 * (double)s->target.share);
         return false;
     }
+    if (s->sequence.frames && rsv_is_operator_file(s->scene)) {
+        cli_error("--frames: '%s' is already solved; use `resolvent relight %s --frames %s`",
+            s->scene, s->scene, s->sequence.frames);
+        return false;
+    }
     if (!takes_the_film(s)) return false;
     bool shifted = s->shift[0] != 0 || s->shift[1] != 0;
     bool is_more = s->layers || s->noise > 0 || s->fstop > 0 || s->projection || shifted;
@@ -515,11 +521,7 @@ static void add_reports(reel *r, const rsv_solve_report *report, const rsv_updat
     r->sum.time_bvh += before.time_bvh;
     r->sum.time_assemble += before.time_assemble;
     r->sum.time_solve += before.time_solve;
-    r->kept.rows += kept->rows;
-    r->kept.kept_rows += kept->kept_rows;
-    r->kept.row_rays += kept->row_rays;
-    r->kept.kept_row_rays += kept->kept_row_rays;
-    r->kept.seconds += kept->seconds;
+    cli_add_update(&r->kept, kept);
 }
 
 /// Solves the light of a frame, reusing what is still valid of the previous one.
@@ -536,24 +538,16 @@ static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *p
 /// The light that goes on from frame to frame.
 static rsv_status follow(reel *r, cli_subject *subject, const rsv_render_desc *picture)
 {
-    rsv_update_report kept = { 0 };
     rsv_solve_desc desc = describe_solve(r->s, subject->scene, picture);
     rsv_status status;
     if (!r->light) {
         status = rsv_light_create(subject->scene, &desc, &r->light);
         if (status == RSV_OK) r->base = subject->scene;
     } else {
-        status = rsv_light_follow(r->light, subject->scene, &kept);
-        // once more, as if it rested: shadows are divided as a solve divides them
-        if (status == RSV_OK && r->s->mode == RSV_RENDER_OPERATOR)
-            status = rsv_light_follow(r->light, subject->scene, NULL);
+        bool finished = r->s->mode == RSV_RENDER_OPERATOR;
+        status = cli_follow_frame(r->light, subject->scene, finished, &r->kept);
     }
     if (status != RSV_OK) return status;
-    r->kept.rows += kept.rows;
-    r->kept.kept_rows += kept.kept_rows;
-    r->kept.row_rays += kept.row_rays;
-    r->kept.kept_row_rays += kept.kept_row_rays;
-    r->kept.seconds += kept.seconds;
     r->sum = *rsv_light_report(r->light);
     r->sum.time_assemble += r->kept.seconds;
     subject->solution = r->light;
@@ -588,8 +582,9 @@ static void close_frame(const reel *r, cli_subject *subject)
     cli_close_subject(subject);
 }
 
-static bool run_frame(reel *r, uint32_t frame)
+static bool run_frame(void *user, uint32_t frame)
 {
+    reel *r = user;
     cli_subject subject = { 0 };
     rsv_image *image = NULL;
     rsv_render_desc desc;
@@ -627,12 +622,7 @@ static bool write_reel_stats(reel *r)
     if (!s->stats) return true;
     r->stats.more = cJSON_CreateObject();
     cJSON_AddNumberToObject(r->stats.more, "frames", s->sequence.last - s->sequence.first + 1);
-    cJSON_AddNumberToObject(r->stats.more, "rows_of_all_frames", (double)r->kept.rows);
-    cJSON_AddNumberToObject(r->stats.more, "kept_rows_of_all_frames", (double)r->kept.kept_rows);
-    cJSON_AddNumberToObject(r->stats.more, "row_rays_of_all_frames", (double)r->kept.row_rays);
-    cJSON_AddNumberToObject(
-        r->stats.more, "kept_row_rays_of_all_frames", (double)r->kept.kept_row_rays);
-    cJSON_AddNumberToObject(r->stats.more, "update_seconds", r->kept.seconds);
+    cli_write_updates(r->stats.more, &r->kept);
     r->stats.report = is_solved(s) ? &r->sum : NULL;
     if (cli_writes_png(&s->outputs)) r->stats.exposure = &r->exposure;
     return write_stats(r->session, s, &desc, NULL, NULL, &r->stats);
@@ -641,17 +631,12 @@ static bool write_reel_stats(reel *r)
 static int run_sequence(cli_session *session, const settings *s)
 {
     reel r = { .session = session, .s = s, .cannot_follow = s->goal || s->layers };
-    uint32_t first = s->sequence.first, last = s->sequence.last;
     rsv_status status = rsv_update_store_create(session->context, &r.store);
     bool good = status == RSV_OK;
     if (!good) cli_report_failure(session, status);
     if (good && s->layers && !writes_exr(s))
         cli_warn(session, "--layers: only .exr files hold layers");
-    for (uint32_t frame = first; good && frame <= last; frame++) {
-        if (first < last)
-            cli_progress_part(&session->progress, "frame", frame - first + 1, last - first + 1);
-        good = run_frame(&r, frame);
-    }
+    good = good && cli_run_frames(session, &s->sequence, run_frame, &r);
     rsv_update_store_destroy(r.store);
     stop_following(&r);
     return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;

@@ -284,6 +284,7 @@ static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
     open_animation(v);
+    v->session->keep_document = rsv_is_operator_file(s->scene); // it may hold an animation
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     v->session->moment = CLI_AT_REST; // the moment is the scene's only
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;

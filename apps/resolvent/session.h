@@ -101,6 +101,9 @@ const char *cli_reading_given(const cli_reading *reading);
 bool cli_session_begin(cli_session *session, uint32_t threads);
 void cli_session_end(cli_session *session);
 
+/// Closes the animation. Do so before the scene whose document it plays is destroyed.
+void cli_close_animation(cli_session *session);
+
 /// Builds the built-in scene `name` around the session's mesh.
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
 
