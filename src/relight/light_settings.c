@@ -37,7 +37,7 @@ void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
 /// Which sources are meant.
 typedef struct selection {
     const char *name;
-    bool own;      ///< a source has this name; otherwise it may be that of a node that placed a light
+    bool own; ///< a source has this name; otherwise it may be that of a node that placed a light
     bool pattern;  ///< no source and no node has this name; `*` in it matches any text
     size_t number; ///< of the only source that is meant; SIZE_MAX = those of the name
 } selection;
