@@ -12,7 +12,7 @@ static const char help[] =
     "usage: resolvent daylight SCENE --weather FILE.epw -o REPORT.{html,json,csv} [options]\n"
     "\n"
     "Daylight at sensors over a year of weather: mean illuminance, daylight autonomy, useful daylight,\n"
-    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; the lamps of\n"
+    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; the lights of\n"
     "the scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     weather file of EnergyPlus (.epw) or Daysim (.wea). May be repeated: each file\n"

@@ -25,7 +25,7 @@ static const char help[] =
     "                     leak light, tiny or huge scale, missing light; and list what of the file is\n"
     "                     approximated or ignored\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_FOG_HEIGHT_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info --check room.glb\n"
@@ -641,6 +641,7 @@ int cli_info(int argc, char **argv)
         CLI_ENVIRONMENT_OPTIONS(&r.environment),
         CLI_READING_OPTIONS(&reading),
         CLI_FOG_OPTIONS(&r.environment),
+        CLI_FOG_HEIGHT_OPTION(&r.environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1,

@@ -25,9 +25,9 @@
 static const char help[] =
     "usage: resolvent render SCENE -o OUT.{exr,png,hdr} [options]\n"
     "\n"
-    "Solves the light of SCENE and renders a picture of it. SCENE is a file, a built-in scene, or a\n"
-    "solution from `resolvent solve`, which skips the solve. .exr and .hdr hold linear radiance; .png\n"
-    "is sRGB. By default, elements, rays and samples are chosen for a relative error of 7 %.\n"
+    "Solves the light of SCENE and renders a picture. SCENE is a file, a built-in scene, or a file from\n"
+    "`resolvent solve`, which is not solved again. .exr and .hdr hold linear radiance; .png is sRGB. By\n"
+    "default, the number of elements, rays and samples is chosen for a relative error of 7 %.\n"
     "\n"
     "  -o FILE            the picture; repeat it for more formats\n"
     "  --size WxH         pixels (default: 512 on the longer side, with the camera's aspect ratio)\n"
@@ -41,7 +41,7 @@ static const char help[] =
     "  --noise P%         final, operator: up to 64 times as many rays where a pixel's noise exceeds P;\n"
     "                     0 = the same number everywhere (default: 0; for final without --spp, by\n"
     "                     quality 0, 20 %, 10 %)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
-        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_FOG_HEIGHT_HELP CLI_SOLVE_HELP
     "  --camera NAME      a camera listed by `resolvent info SCENE` (default: the first)\n"
     "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film\n"
     "                     24 mm high (default: everything is sharp)\n"
@@ -202,6 +202,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
+        CLI_FOG_HEIGHT_OPTION(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
