@@ -136,7 +136,7 @@ static void textures_are_warned_of(void **state)
     assert_mentions(f->log, "'skin'");
 }
 
-/// One warning for each kind of thing, with what it is.
+/// One warning for each kind of feature, which names it.
 static void what_is_not_used_is_named_once(void **state)
 {
     fixture *f = *state;
@@ -174,7 +174,7 @@ static void what_is_not_used_is_named_once(void **state)
     assert_null(strstr(f->log, "not used"));
 }
 
-/// What is wrong, where, and what to do, in our words.
+/// Messages say what is wrong, where, and what to do, without Assimp's wording.
 static void importers_do_not_speak_for_themselves(void **state)
 {
     fixture *f = *state;

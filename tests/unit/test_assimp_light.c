@@ -28,7 +28,7 @@ static rsv_scene *load(fixture *f, const char *name)
 
 #define assert_about(a, b) assert_float_equal((a) / (b), 1, 1e-4)
 
-/// Irradiance on the floor right below the first light, without what might be in the way.
+/// Irradiance on the floor right below the first light, ignoring occluders.
 static float below(const rsv_scene_view *view)
 {
     const rsv_punctual_light *light = &view->light[0];
@@ -304,7 +304,7 @@ static void metals_of_blender_in_collada_are_metals(void **state)
     }
 }
 
-/// The count of an array is what it holds, whatever it says.
+/// The count of an array is the number of its elements, even if the file states another.
 static void collada_arrays_hold_what_stands_in_them(void **state)
 {
     fixture *f = *state;
@@ -599,7 +599,7 @@ static void fbx_hides_what_is_not_to_be_shown(void **state)
     }
 }
 
-/// Binary files state it by lengths, which stay what they are.
+/// Binary files state it by lengths, which do not change.
 static void fbx_tells_of_visibility_in_binary_files(void **state)
 {
     (void)state;
@@ -653,7 +653,8 @@ static void fbx_cameras_without_a_field_of_view_see_something(void **state)
     }
 }
 
-/// A material of Phong's is one, whatever roughness the importer makes of its shininess; Blender's stands for a Principled BSDF.
+/// A Phong material stays one, whatever roughness the importer derives from its shininess. Blender's Phong materials
+/// represent a Principled BSDF.
 static void fbx_of_blender_is_read_as_blender_means_it(void **state)
 {
     static const char layer[] = "  LayerElementMaterial: 0 {\n"

@@ -18,7 +18,7 @@ typedef struct judgement {
 
 static float channel(rsv_rgb c, int k) { return k == 0 ? c.r : k == 1 ? c.g : c.b; }
 
-/// Irradiance for a normal m, as docs/bake.md tells shaders to reconstruct it.
+/// Irradiance for a normal m, reconstructed as docs/bake.md describes for shaders.
 static float reconstruct(float e, const rsv_rgb v[3], rsv_vec3 m, int c)
 {
     float along = m.x * channel(v[0], c) + m.y * channel(v[1], c) + m.z * channel(v[2], c);
@@ -167,7 +167,7 @@ static void charts_lie_close_and_filtering_keeps_them_apart(void **state)
 #define COLUMNS 16
 #define STITCHES 40
 
-/// Light of a lamp in a map, and what it is on both sides of a seam that runs through it twice, at a slant.
+/// Light of a lamp in a map, on both sides of a seam that crosses it twice at an angle.
 static void light_seam(int lamp, rsv_rgb *light, rsv_bake_stitch *stitch)
 {
     for (int k = 0; k < ROWS * COLUMNS; k++)

@@ -1,4 +1,4 @@
-/// Light in baked texels and vertices beside path tracing; noise and edges; borders of meshes that meet.
+/// Light in baked texels and vertices compared with path tracing; noise and edges; borders where meshes meet.
 #include "bake/bake_filter.h"
 #include "bake/bake_judge.h"
 #include "bake/bake_ktx2.h"

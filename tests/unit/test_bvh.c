@@ -1,4 +1,4 @@
-/// The wide hierarchy: its boxes hold what is below them, and rays through it meet what the tracer meets.
+/// The wide hierarchy: boxes contain everything below them, and rays hit the same triangles as with the tracer.
 #include "bvh/bvh_trace.h"
 #include "light_fixture.h"
 #include "surface/surface.h"

@@ -1,5 +1,5 @@
-/// The certificate: exact where the error is known, bounded by truth where it is not, the same for any number of
-/// threads, and patient with scenes that have nothing to certify.
+/// The certificate: exact where the error is known; otherwise the bound holds compared with path tracing; identical for
+/// any number of threads; and defined for scenes where there is nothing to certify.
 #include "resolvent/certify.h"
 #include "resolvent/render.h"
 
@@ -42,7 +42,7 @@ static void scale(rsv_rgb *field, size_t count, float factor)
         field[n] = rgb_scale(field[n], factor);
 }
 
-/// Puts a known error of (factor - 1) E~ into everything that lookups read.
+/// Adds a known error of (factor - 1) E~ to everything that lookups read.
 static void scale_solution(rsv_light *s, float factor)
 {
     rsv_light_fields *f = rsv_light_edit(s);
@@ -804,7 +804,7 @@ static void a_gallery_reaches_its_target(void **state)
     world_end(w);
 }
 
-/// Whatever the seed, what is said to be reached is so by many other points.
+/// For any seed, an error that is reported as reached is confirmed by many other points.
 static void a_target_is_not_reached_by_luck(void **state)
 {
     (void)state;

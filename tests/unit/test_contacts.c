@@ -1,4 +1,4 @@
-/// What keeps light from leaking through walls, and leaves it where things touch, hang close or reach into one another.
+/// Light does not leak through walls, and is not lost where objects touch, hang close together or intersect.
 #include "elements/burial.h"
 #include "elements/contact.h"
 #include "elements/open_corners.h"
@@ -243,7 +243,7 @@ static void add_lamp(world *w)
         v3(0.3f, 0.99f, 0.3f), v3(-0.3f, 0.99f, 0.3f));
 }
 
-/// What is stored at the places, over what is gathered there: least and largest, and the mean.
+/// Stored irradiance at these points, divided by gathered irradiance: minimum, maximum and mean.
 typedef struct shares {
     float least, largest, mean;
 } shares;
@@ -270,8 +270,8 @@ static shares stored_shares(
 
 #define OUT 1.2f // the far side of a built room's walls
 
-/// A room whose walls, floor and ceiling are boxes that reach into one another, as builders have them: corners of their
-/// cells lie in the next box.
+/// A room whose walls, floor and ceiling are intersecting boxes, as in architectural models: corners of their cells lie
+/// inside the next box.
 static world *create_built_room(void)
 {
     world *w = world_begin(2);
@@ -367,7 +367,7 @@ static void rows_start_from_the_points_that_were_judged(void **state)
     world_end(w);
 }
 
-/// What a picture hides of the wall that it hangs on must not darken what it does not.
+/// The part of a wall that a picture hides must not darken the visible part.
 static void the_wall_around_a_picture_is_not_darkened(void **state)
 {
     (void)state;
@@ -394,7 +394,7 @@ static void the_wall_around_a_picture_is_not_darkened(void **state)
         fail_msg("%g of the light at least, %g on average", found.least, found.mean);
 }
 
-/// Nodes under a box are black; the floor beside it must not be.
+/// Nodes under a box are black, but must not darken the floor around it.
 static void the_floor_beside_a_box_is_not_darkened(void **state)
 {
     (void)state;
@@ -517,8 +517,8 @@ static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
     return most / below;
 }
 
-/// What stands on a thin floor and reaches a little way through it has light from above the floor on its foot, none of what
-/// is below.
+/// An object on a thin floor, which it pierces slightly: its foot receives light from above the floor, and none from
+/// below.
 static void feet_that_reach_through_a_floor_stay_dark(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// Daylight at sensors: open ground, a room beside the path tracer, panes, figures, errors.
+/// Daylight at sensors: open ground, a room compared with the path tracer, panes, annual results, errors.
 #include "light_fixture.h"
 #include "resolvent/daylight.h"
 #include "resolvent/io.h"
@@ -399,7 +399,7 @@ static void diffusing_panes_spread_the_sky(void **state)
 
 // ---- figures ----------------------------------------------------------------------------------------
 
-/// In the open, under skies that are known: 24 hours of which 10 are occupied.
+/// On open ground, under skies with closed forms: 24 hours, 10 of them occupied.
 static void figures_count_hours(void **state)
 {
     (void)state;
@@ -558,7 +558,8 @@ static void run_room(int threads, uint32_t seed, rsv_figure figure[tried])
     world_end(w);
 }
 
-/// Spread over seeds beside what each says of itself: neither half nor, interpolation being in it, three times as much.
+/// Reported standard errors, relative to the spread over seeds: above half, and, because they include the interpolation
+/// error, below three times.
 static void standard_errors_tell_the_spread(void **state)
 {
     (void)state;

@@ -388,7 +388,7 @@ static void overlapping_lamps_shine_once(void **state)
     }
 }
 
-/// A double-sided lamp whose back a black face covers on one half gives the light of a double-sided lamp beside a
+/// A double-sided lamp with half of its back covered by a black face gives the light of a double-sided lamp next to a
 /// single-sided one.
 static void backs_of_lamps_shine_where_nothing_covers_them(void **state)
 {

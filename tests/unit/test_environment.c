@@ -38,7 +38,7 @@ static rsv_rgb contrasty_sky(rsv_vec3 d)
     return window ? rgb(30, 25, 20) : rgb(0.5f, 0.5f, 0.6f);
 }
 
-/// Bright patches all around, half of which are behind any surface.
+/// Bright patches all around; half of them are behind any surface.
 static rsv_rgb patchy_sky(rsv_vec3 d)
 {
     bool patch = sinf(9 * d.x) * sinf(9 * d.y + 1) * sinf(9 * d.z + 2) > 0.4f;

@@ -1,5 +1,5 @@
-/// Lights that follow what moves: rows that are patched beside rows traced anew, ways there and back, moments beside solves
-/// of these, and what cannot be followed.
+/// Light that follows moving objects: patched rows compared with new ones, motions there and back, moments compared
+/// with new solves, and unsupported motions.
 #include "light_fixture.h"
 #include "light_view.h"
 #include "operator/tracked_rows.h"
@@ -318,8 +318,8 @@ static double mean_below(const rsv_light *light, float part)
     return sum / (SIDE * SIDE);
 }
 
-/// Random places of an object: means of a light that follows beside those of solves.
-/// @return mean of the differences, over the light
+/// Random positions of an object: means of light that follows compared with those of new solves.
+/// @return mean difference, relative to the light
 static double mean_difference(const char *scene, const char *object, rsv_vec3 reach, int count)
 {
     stage s = open_stage(scene, object);

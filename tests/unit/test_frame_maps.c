@@ -31,7 +31,7 @@ static rsv_texture_ref add_noise(world *w, const noise *n, bool packed, rsv_text
     return rsv_default_texture_ref(role, texture);
 }
 
-/// What is on the floor.
+/// Objects on the floor.
 typedef struct ground {
     rsv_material material; ///< without textures
     int least_roughness;   ///< code

@@ -15,7 +15,7 @@ static const char *write_text(const folder *place, const char *name, const char 
     return path;
 }
 
-/// `bytes` of them, of which the first are the square.
+/// Writes the first `bytes` bytes of a buffer that begins with the square.
 static void write_square(const folder *place, const char *name, size_t bytes)
 {
     buffer b = square_buffer();
@@ -53,7 +53,7 @@ static void buffers_may_be_longer_than_they_say(void **state)
     remove_folder(place.path);
 }
 
-/// Of a file that seems huge, no more is read than is asked for.
+/// Reads no more of a huge file than requested.
 static void a_huge_buffer_file_is_read_as_far_as_it_is_needed(void **state)
 {
     folder place = new_folder();

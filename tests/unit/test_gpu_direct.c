@@ -154,7 +154,7 @@ static void lamps_light_as_on_the_processor(void **state)
     rsv_device_close(device);
 }
 
-/// A floor, a coated one beside it, a block upon them; a lamp within glass that dims.
+/// A floor, a coated one next to it, a block on both, and a lamp inside tinted glass.
 static void build_yard(world *w)
 {
     rsv_material coated = lambert_material(0.6f, 0), dim = glass_material();
@@ -291,8 +291,9 @@ static void many_lamps_light_as_on_the_processor(void **state)
 
 // ---- what can go wrong --------------------------------------------------------------------------
 
-/// A pass on a device that is lost sooner or later. @param fail_after launches, once there is a solution; 0 = never
-/// @return what it says; where the device is optional, it finds what the processor does
+/// A pass on a device that fails at some point.
+/// @param fail_after launches after which it fails, once there is a solution; 0 = never
+/// @return its status; if the device is optional, the result is that of the CPU
 static rsv_status find_on(const rsv_device_desc *desc, uint64_t fail_after)
 {
     rsv_device *device = open_device(desc);

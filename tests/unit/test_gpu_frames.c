@@ -248,7 +248,7 @@ static void show_textured(rsv_device *device, rsv_rgb *radiance)
     world_end(w);
 }
 
-/// The same random numbers: but for rays that rounding sends beyond an edge, the same picture.
+/// With the same random numbers, the picture is the same, except where rounding sends a ray past an edge.
 static void textures_and_rough_lobes_are_shown(void **state)
 {
     (void)state;

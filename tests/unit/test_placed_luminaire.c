@@ -230,7 +230,7 @@ static void openings_light_like_surfaces_and_points_by_the_law(void **state)
     }
 }
 
-/// A floor beside a wall that is a mirror: lit by the lamp and its image.
+/// A floor next to a mirror wall, lit by the lamp and its mirror image.
 static void light_is_reflected_by_mirrors(void **state)
 {
     fixture *f = *state;

@@ -21,7 +21,7 @@ static rsv_scene *load(fixture *f, const void *bytes, size_t count)
     return load_written(f, path_in(&files, "a.ply"), bytes, count);
 }
 
-/// Looks at what became of a file whose points reach (2, 3).
+/// Checks the scene from a file whose points reach (2, 3).
 static void check(
     fixture *f, const void *bytes, size_t count, size_t triangles, const char *warning)
 {

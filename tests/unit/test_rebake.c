@@ -10,7 +10,7 @@
 
 enum { RAYS = 256, SEED = 1, NAME_BYTES = 64 };
 
-/// What is edited. All lengths in metres.
+/// The edit. All lengths are in metres.
 typedef struct room {
     float box_at;       ///< x of a box on the floor; negative = there is none
     float albedo;       ///< of that box
