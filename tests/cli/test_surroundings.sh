@@ -114,7 +114,7 @@ goes_on "where rows are cut off"
 ((status == 1)) || { succeeds "${long[@]}" -o whole.safetensors && same "$out/a.safetensors" whole.safetensors "where rows are cut off"; }
 rm -f "$out"/*
 
-# the CPU's result for a page that is empty after all
+# SIGBUS: a page of a mapped file no longer exists
 halts_with_rows again "$out/a.safetensors"
 kill -BUS $!
 goes_on "where a mapped file is cut off"

@@ -354,7 +354,8 @@ static void clips_are_found_by_name_and_play_together(void **state)
     remove_folder(place.path);
 }
 
-/// What nothing moves is the same, bit for bit, as in the file at rest; the view of a scene without a camera stays.
+/// Parts that nothing moves are bit for bit the same as in the file at rest. The view of a scene without a camera does
+/// not change.
 static void what_rests_is_as_in_the_file(void **state)
 {
     const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 2, 0, 0 };
@@ -482,7 +483,7 @@ static void what_is_not_played_is_named(void **state)
     remove_folder(place.path);
 }
 
-/// A jump where two keys are at one time, one key alone, and a rotation that is nothing.
+/// A jump where two keys have the same time, a single key, and a rotation of length zero.
 static void odd_keys_are_played(void **state)
 {
     const float time[3] = { 0, 1, 1 }, go[9] = { 0, 0, 0, 2, 0, 0, 5, 0, 0 };

@@ -1,4 +1,4 @@
-/// Lights and cameras of FBX and COLLADA have the strengths and fields of view that their authors meant, in any unit.
+/// Lights and cameras of FBX and COLLADA have the intended strengths and fields of view, in any unit.
 #include "io/fbx_scan.h"
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
@@ -65,7 +65,7 @@ static void write_collada(const char *tool, double metre, const char *library, c
     fclose(file);
 }
 
-/// The importer takes what is no number for a metre, and what is no axis for y.
+/// The importer reads an invalid number as one metre, and an invalid axis as y.
 static void collada_units_that_are_no_numbers_are_named(void **state)
 {
     fixture *f = *state;
@@ -362,7 +362,7 @@ static void collada_rotations_keep_sizes(void **state)
     }
 }
 
-/// What no part of the format has its name is told of once, wherever it stands, without what lies in it.
+/// Elements with unknown names are reported once, wherever they are, without their content.
 static void collada_names_elements_that_nobody_knows(void **state)
 {
     fixture *f = *state;
@@ -379,7 +379,7 @@ static void collada_names_elements_that_nobody_knows(void **state)
                             "element 'acme_shape', element 'acme_thing'\n");
 }
 
-/// References that lead nowhere, and kinds of things that nobody reads, are named once each.
+/// References that lead nowhere, and kinds of objects that are not read, are reported once each.
 static void collada_names_what_is_not_there_or_not_used(void **state)
 {
     fixture *f = *state;

@@ -91,8 +91,7 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
 #define CHARTS 120
 #define SIDE 512
 
-/// Right triangles of many sizes, one a chart.
-/// @param slivers whether all but a few are thinner than a texel
+/// Right triangles of many sizes, one per chart. @param slivers whether all but a few are thinner than a texel
 static void make_triangles(rsv_bake_charts *c, bool slivers)
 {
     for (uint32_t k = 0; k < CHARTS; k++) {

@@ -1,4 +1,4 @@
-/// Beams against the ray tracer: whole pictures, and what could slip through.
+/// Beams against the ray tracer: whole pictures, and cases that could slip through.
 #include "copies_fixture.h"
 #include "frame/packet_kernels.h"
 #include "trace/packet.h"

@@ -1,4 +1,4 @@
-/// Likely mistakes in scenes: each is found where it is made, and nowhere else.
+/// Likely mistakes in scenes: each is found where it was made, and nowhere else.
 #include "scene_fixture.h"
 
 #include "resolvent/check.h"

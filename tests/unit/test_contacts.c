@@ -55,7 +55,7 @@ static float look_up(
     return rsv_light_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
 }
 
-/// Light on the dark side of the wall over light on the bright side, the same distance from it.
+/// Light on the dark side of the wall, divided by the light on the bright side at the same distance.
 static float leak_at(const world *w, const rsv_light *s, split_room room, rsv_vec3 place,
     rsv_vec3 normal, float distance, uint32_t order)
 {
@@ -84,8 +84,8 @@ static float worst_leak(const world *w, const rsv_light *s, split_room room, uin
     return worst;
 }
 
-/// Direct light lives on fine cells, indirect light on coarse ones, each with its own limit; a negative
-/// limit leaves one out.
+/// Direct light is stored on fine cells, indirect light on coarse ones, each with its own limit; a negative limit skips
+/// one.
 static void check_leaks(split_room room, uint32_t seed, float direct_limit, float indirect_limit)
 {
     world *w = create_split_room(room);
@@ -420,7 +420,7 @@ static void the_floor_beside_a_box_is_not_darkened(void **state)
     world_end(w);
 }
 
-/// A panel that lights the ceiling from just below it: nodes at its border are not to pass that light on.
+/// A panel just below the ceiling that lights it: nodes at its border must not pass that light on.
 static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
 {
     (void)state;
@@ -461,7 +461,7 @@ static rsv_vec3 beneath(int k)
     return place[k % 4];
 }
 
-/// What lies close to a floor leaves it little light, but some: that of the gap, which its own cells keep.
+/// An object close to a floor leaves little light on it, but some: that of the gap, which the floor's own cells store.
 static void light_in_a_gap_is_that_of_the_gap(void **state)
 {
     (void)state;

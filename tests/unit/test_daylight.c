@@ -439,7 +439,7 @@ static void figures_count_hours(void **state)
     world_end(w);
 }
 
-/// One sensor in the sun, one in the shade of a wall; shades that keep out everything, but for the sky's hours.
+/// One sensor in the sun, one in the shade of a wall; shades that block all light, except in hours without sun.
 static void shades_go_down_in_the_sun(void **state)
 {
     (void)state;
@@ -589,7 +589,8 @@ static void threads_change_nothing(void **state)
     assert_memory_equal(one, three, sizeof one);
 }
 
-/// Two rooms with a doorway between them, a row of sensors in each; figures of each are those of its own sensors.
+/// Two rooms with a doorway between them, and a row of sensors in each: the results of a room are those of its own
+/// sensors.
 static void rooms_are_told_apart(void **state)
 {
     (void)state;

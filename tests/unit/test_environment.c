@@ -1,4 +1,4 @@
-/// Environments: lookup, sampling, irradiance, division, suns, and their way through operator and reference.
+/// Environments: lookup, sampling, irradiance, division, suns, in the operator and in mode reference.
 #include "light_fixture.h"
 #include "slow_tests.h"
 
@@ -269,7 +269,7 @@ static void a_constant_sky_is_exact(void **state)
     world_end(w);
 }
 
-/// New surroundings through the stored escapes against an operator built under them.
+/// A new environment through the stored escapes, compared with an operator built under it.
 static void turning_the_sky_takes_no_new_rays(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// What films see: depth of field against the circle of confusion, all directions around, a shifted film.
+/// Films: depth of field against the circle of confusion, all directions around, a shifted film.
 #include "scene_fixture.h"
 
 #include "resolvent/render.h"

@@ -1,4 +1,4 @@
-/// Fog: its formulas against sums, what a scene takes for fog, and who refuses it.
+/// Fog: its formulas against sums, valid and invalid settings, and commands that refuse it.
 #include "media/fog_run.h"
 #include "media/phase.h"
 #include "resolvent/render.h"

@@ -147,7 +147,7 @@ static double mean_of_picture(const rsv_light *light, uint32_t gather_rays)
     return sum / (desc.width * desc.height);
 }
 
-/// Light that has followed an object keeps no bounces of its own: layers are refused, and gather rays bring all of them.
+/// Light that has followed an object has no separate orders: layers are refused, and gather rays include all of them.
 static void pictures_miss_no_bounce(void **state)
 {
     (void)state;
@@ -472,7 +472,7 @@ static rsv_scene *fold_sheet(rsv_context *context, float fold, bool deforms)
     return scene;
 }
 
-/// Meshes that deform are followed to poses in which other normals turn away from their triangles.
+/// Deforming meshes are followed to poses in which different normals point away from their triangles.
 static void meshes_that_deform_are_followed(void **state)
 {
     (void)state;

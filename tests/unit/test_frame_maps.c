@@ -1,4 +1,4 @@
-/// Surfaces with maps in frames: those that are shaded sixteen pixels at a time look like those that are shaded one by one.
+/// Surfaces with maps in frames: those shaded sixteen pixels at a time look like those shaded one by one.
 #include "frame_fixture.h"
 
 enum { side = 16 };

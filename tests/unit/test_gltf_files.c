@@ -1,4 +1,5 @@
-/// Files as people have them: buffers too long and too short, names with odd characters, other versions, hostile depths.
+/// Files as they occur in practice: buffers too long and too short, names with odd characters, other versions, extreme
+/// depths.
 #include "gltf_fixture.h"
 #include "slow_tests.h"
 
@@ -161,7 +162,7 @@ static void broken_data_uris_are_refused_in_our_words(void **state)
     remove_folder(place.path);
 }
 
-/// Any media type will do, and base64 as it is found: in lines, of URLs, with its padding escaped or left out.
+/// Any media type is accepted, and base64 in all usual forms: in lines, URL-safe, with its padding escaped or left out.
 static void data_uris_of_all_kinds_are_read(void **state)
 {
     static const char *const uri[] = {
@@ -184,7 +185,7 @@ static void data_uris_of_all_kinds_are_read(void **state)
     remove_folder(place.path);
 }
 
-/// A buffer that nobody needs may be missing; one that is needed is named with who needs it.
+/// A missing buffer is an error only if it is needed; the message names what needs it.
 static void buffers_without_data_are_named_where_they_are_needed(void **state)
 {
     folder place = new_folder();

@@ -273,7 +273,7 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
     remove_folder(place.path);
 }
 
-/// A hundred thousand different properties are not a hundred thousand lines.
+/// A hundred thousand different properties do not give a hundred thousand lines.
 static void hostile_variety_is_cut_short(void **state)
 {
     enum { VARIETY = 100000 };

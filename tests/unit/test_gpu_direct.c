@@ -1,5 +1,5 @@
-/// Direct light that a device finds against that of the processor, on a device that the processor emulates;
-/// `test_gpu_direct cuda` runs the same on a real one.
+/// Direct light computed by a device compared with that of the CPU, on an emulated device; `test_gpu_direct cuda` runs
+/// the same on a real one.
 #include "core/device.h"
 #include "direct/direct.h"
 #include "light_fixture.h"
@@ -80,7 +80,7 @@ static double sum_of(const rsv_light *s, const rsv_rgb *value)
     return sum;
 }
 
-/// Nodes that differ by more than rounding: rays within rounding of an edge do.
+/// Nodes that differ by more than rounding: those with rays within rounding of an edge.
 static size_t count_different(const rsv_light *s, const pass *a, const pass *b, double mean)
 {
     size_t different = 0;

@@ -1,5 +1,5 @@
-/// Photons that a device shoots against those of the processor, on a device that the processor emulates;
-/// `test_gpu_shooting cuda` runs the same on a real one.
+/// Photons shot by a device compared with those of the CPU, on an emulated device; `test_gpu_shooting cuda` runs the
+/// same on a real one.
 #include "core/device.h"
 #include "direct/photons.h"
 #include "light_fixture.h"

@@ -961,7 +961,7 @@ static void jpeg_with_more_pixels_than_bits_is_refused(void **state)
     expect_failure(path_of("wide.jpg"), RSV_ERROR_FORMAT, "4096 x 4096 pixels do not fit in");
 }
 
-/// A chunk of almost 2 GiB in a file of 63 bytes: no memory is taken for it.
+/// A chunk of almost 2 GiB in a file of 63 bytes: no memory is allocated for it.
 static void png_that_ends_within_a_chunk_is_refused(void **state)
 {
     (void)state;

@@ -188,7 +188,7 @@ static void rows_of_a_closed_room_sum_to_one(void **state)
     destroy_rows(&r);
 }
 
-/// Facets with interpolated normals trap a ray in ten thousand for ever; nothing else is lost.
+/// Facets with interpolated normals trap one ray in ten thousand for ever; no other light is lost.
 static void rows_of_a_room_with_mirror_and_glass_sum_to_one(void **state)
 {
     (void)state;
@@ -739,7 +739,7 @@ static world *floor_below_mirror(void)
     return w;
 }
 
-/// One shooter for many rounds: each finds what one of its own would, and no pilot ray is traced again.
+/// One shooter for many rounds: each round finds the same as a new shooter would, and no pilot ray is traced again.
 static void a_shooter_may_be_used_again(void **state)
 {
     (void)state;
