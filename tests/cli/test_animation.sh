@@ -66,6 +66,22 @@ done
 succeeds render moving.glb -o there.exr --size 96x64 --spp 16 --mode operator --quality draft --time 1
 succeeds compare there.exr played.exr
 says '^mean_ratio *\(1.0[01]\|0.9[89]\)'
+# within a budget, objects wait for their turn; in the end all is as without
+python3 "$here/animate.py" room.glb blocks.glb block 0 0 0.1 || complain "cannot animate"
+printf '%s\n' '0 show hud' '0 show markers' '1 scrub 0.5' '4 scrub 1' '70 screenshot late.exr' >scrub.txt
+view=(view blocks.glb --quality draft --max-elements 700 --size 48x32 --exposure 0 --script scrub.txt --frames 71)
+succeeds "${view[@]}" --record rest
+mv late.exr rest.exr
+if SDL_VIDEODRIVER=dummy "$program" "${view[@]}" --budget 0.01 --stats late.json >stdout 2>stderr; then
+    grep -q '"late_steps":[[:space:]]*[1-9]' late.json || complain "nothing waited: $(cat late.json)"
+    succeeds compare rest.exr late.exr
+    says '^mean_ratio *\(1.00\|0.99\)'
+    says '^median_relative_error *0.00'
+else
+    grep -q 'without SDL2' stderr || complain "the view failed: $(cat stderr)"
+fi
+refuses 2 "'0' is not a number from 0.01" view blocks.glb --budget 0
+
 printf '0 play\n' >play.txt
 refuses 1 'only glTF files are played' view cornell-blocks --quality draft --size 32x32 --script play.txt --record "$out/x"
 
