@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fog of OpenVDB files. The second argument makes such files; none = this build does not read them.
+# Fog from OpenVDB files. The second argument writes such files; without it, this build does not read them.
 source "$(dirname "$0")/support.sh"
 maker=${2:-}
 

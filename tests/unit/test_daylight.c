@@ -1,4 +1,4 @@
-/// Daylight at sensors: open ground, a room beside the path tracer, panes, figures, errors.
+/// Daylight at sensors: open ground, a room compared with the path tracer, panes, annual results, errors.
 #include "light_fixture.h"
 #include "resolvent/daylight.h"
 #include "resolvent/io.h"
@@ -425,7 +425,7 @@ static void diffusing_panes_spread_the_sky(void **state)
 
 // ---- figures ----------------------------------------------------------------------------------------
 
-/// In the open, under skies that are known: 24 hours of which 10 are occupied.
+/// On open ground, under skies with closed forms: 24 hours, 10 of them occupied.
 static void figures_count_hours(void **state)
 {
     (void)state;
@@ -465,7 +465,7 @@ static void figures_count_hours(void **state)
     world_end(w);
 }
 
-/// One sensor in the sun, one in the shade of a wall; shades that keep out everything, but for the sky's hours.
+/// One sensor in the sun, one in the shade of a wall; shades that block all light, except in hours without sun.
 static void shades_go_down_in_the_sun(void **state)
 {
     (void)state;
@@ -616,7 +616,8 @@ static void run_room(int threads, uint32_t seed, rsv_figure figure[tried])
     world_end(w);
 }
 
-/// Spread over seeds beside what each says of itself: neither half nor, interpolation being in it, three times as much.
+/// Reported standard errors, relative to the spread over seeds: above half, and, because they include the interpolation
+/// error, below three times.
 static void standard_errors_tell_the_spread(void **state)
 {
     (void)state;
@@ -646,7 +647,8 @@ static void threads_change_nothing(void **state)
     assert_memory_equal(one, three, sizeof one);
 }
 
-/// Two rooms with a doorway between them, a row of sensors in each; figures of each are those of its own sensors.
+/// Two rooms with a doorway between them, and a row of sensors in each: the results of a room are those of its own
+/// sensors.
 static void rooms_are_told_apart(void **state)
 {
     (void)state;
