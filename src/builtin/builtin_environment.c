@@ -67,7 +67,7 @@ rsv_status rsv_scene_set_builtin_environment(
         .rotation = rotation };
     if (!rsv_environment_is_builtin(name))
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "environment '%s': there is none of that name; use white or sky", name);
+            "environment '%s' is not known; use white or sky", name);
     return strcmp(name, "white") == 0 ? rsv_scene_set_environment(scene, &environment)
                                       : set_sky(scene, environment);
 }
