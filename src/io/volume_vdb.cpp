@@ -104,8 +104,7 @@ rsv_status fill(const Grid &grid, const CoordBBox &box, std::vector<float> &dens
     const openvdb::Coord dim = box.dim();
     const size_t line = size_t(dim.x()), plane = line * size_t(dim.y());
     if (grid.background() != 0)
-        return fail(RSV_ERROR_UNSUPPORTED,
-            "its background density is %g; it must be 0",
+        return fail(RSV_ERROR_UNSUPPORTED, "its background density is %g; it must be 0",
             double(grid.background()));
     density.resize(plane * size_t(dim.z()));
     for (auto value = grid.cbeginValueOn(); value; ++value) {
