@@ -55,7 +55,8 @@ static const unsigned char *find_view(const glb_scene *s, const cJSON *view, dou
     uint32_t json_bytes = little_endian(s->bytes + 12), size = little_endian(s->bytes + 8);
     double begin = number(view, "byteOffset", 0), from = 28.0 + json_bytes + begin;
     *bytes = number(view, "byteLength", -1);
-    return !view || begin < 0 || *bytes < 0 || from + *bytes > size ? NULL : s->bytes + (size_t)from;
+    return !view || begin < 0 || *bytes < 0 || from + *bytes > size ? NULL
+                                                                    : s->bytes + (size_t)from;
 }
 
 /// Packed elements of an accessor, within the file.

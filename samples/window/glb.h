@@ -22,12 +22,12 @@ typedef struct glb_scene {
     unsigned char *bytes;
     struct cJSON *json;
     uint32_t receiver_count, vertex_count, index_count, part_count, node_count;
-    uint32_t lit_count;   ///< vertices that carry baked light
+    uint32_t lit_count;             ///< vertices that carry baked light
     uint32_t map_width, map_height; ///< of the lightmap; 0 = light is in vertices
-    float (*position)[3]; ///< [vertex_count] metres, in the world
-    float (*color)[4];    ///< [vertex_count] that vertices had before the bake; white if none
-    float (*place)[2];    ///< [vertex_count] in the lightmap
-    uint32_t *index;      ///< [index_count] three of each triangle
+    float (*position)[3];           ///< [vertex_count] metres, in the world
+    float (*color)[4]; ///< [vertex_count] that vertices had before the bake; white if none
+    float (*place)[2]; ///< [vertex_count] in the lightmap
+    uint32_t *index;   ///< [index_count] three of each triangle
     glb_part *part;
     float camera[16];        ///< camera to world, column by column
     float fov, aspect;       ///< vertical, radians; width over height

@@ -32,30 +32,30 @@ typedef struct viewer {
     rsv_rt_basis basis;
     rsv_rt_file_turns turns;
     glb_scene scene;
-    float *strength;   // [light_count] of each light; of a sky that turns, at its first angle
-    float *scale;      // [light_count][3] what the runtime takes
-    float *irradiance; // [vertex_count or texels][3] receivers first; what has no baked light stays dark
-    float turn;        // of the sky, from 0 to 1
+    float *strength; // [light_count] of each light; of a sky that turns, at its first angle
+    float *scale;    // [light_count][3] what the runtime takes
+    float *
+        irradiance; // [vertex_count or texels][3] receivers first; what has no baked light stays dark
+    float turn;     // of the sky, from 0 to 1
     uint32_t chosen, choices;
     int running;
 } viewer;
 
-static const char *const vertex_shader =
-    "#version 330\n"
-    "layout(location = 0) in vec3 position;\n"
-    "layout(location = 1) in vec3 irradiance;\n"
-    "layout(location = 2) in vec4 color;\n"
-    "layout(location = 3) in vec2 place;\n"
-    "uniform mat4 to_screen;\n"
-    "out vec4 own_color;\n"
-    "out vec3 at_vertices;\n"
-    "centroid out vec2 at_texels;\n"
-    "void main() {\n"
-    "    own_color = color;\n"
-    "    at_vertices = irradiance;\n"
-    "    at_texels = place;\n"
-    "    gl_Position = to_screen * vec4(position, 1.0);\n"
-    "}\n";
+static const char *const vertex_shader = "#version 330\n"
+                                         "layout(location = 0) in vec3 position;\n"
+                                         "layout(location = 1) in vec3 irradiance;\n"
+                                         "layout(location = 2) in vec4 color;\n"
+                                         "layout(location = 3) in vec2 place;\n"
+                                         "uniform mat4 to_screen;\n"
+                                         "out vec4 own_color;\n"
+                                         "out vec3 at_vertices;\n"
+                                         "centroid out vec2 at_texels;\n"
+                                         "void main() {\n"
+                                         "    own_color = color;\n"
+                                         "    at_vertices = irradiance;\n"
+                                         "    at_texels = place;\n"
+                                         "    gl_Position = to_screen * vec4(position, 1.0);\n"
+                                         "}\n";
 
 // what a diffuse surface shows of irradiance; then codes of sRGB
 static const char *const fragment_shader =
@@ -188,8 +188,7 @@ static void relight(viewer *v)
         &v->basis, v->scale, v->basis.light_count, 0, v->basis.receiver_count, v->irradiance);
     const GLsizei size[2] = { (GLsizei)v->scene.map_width, (GLsizei)v->scene.map_height };
     if (v->light_map) {
-        glTexSubImage2D(
-            GL_TEXTURE_2D, 0, 0, 0, size[0], size[1], GL_RGB, GL_FLOAT, v->irradiance);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size[0], size[1], GL_RGB, GL_FLOAT, v->irradiance);
         return;
     }
     glBindBuffer(GL_ARRAY_BUFFER, v->light_buffer);

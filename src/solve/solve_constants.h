@@ -134,7 +134,7 @@
 
 /// Sources that are each divided by as many photons as the whole; where there are more, they share as many as these.
 /// Measured: a room of 100 lamps, draft: photons of a basis take about half of its time.
-#define RSV_FULL_PHOTON_SOURCES 16
+#define RSV_FULL_PHOTON_SOURCES 4
 
 // ---- Lights that follow moving objects (source.c) ----------------------------------------------------
 
