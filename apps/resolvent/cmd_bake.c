@@ -3,6 +3,7 @@
 #include "moment.h"
 #include "options.h"
 #include "output_file.h"
+#include "photometry.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -18,8 +19,8 @@ static const char help[] =
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file, for engines and web pages.\n"
     "Everything else in the file is kept: nodes, animations, cameras, extras, extensions. Other scenes\n"
-    "become a new glTF file. A file from `solve` or `relight` is baked as it is, with its lights and\n"
-    "colours. docs/bake.md describes the output.\n"
+    "become a new glTF file. A file from `solve` or `relight` is baked with its lights and colours,\n"
+    "without solving again. docs/bake.md describes the output.\n"
     "\n"
     "  --to TARGET        one of {--to}\n"
     "  --to vertex        light in COLOR_0; surfaces are subdivided where the light requires it\n"
@@ -42,6 +43,8 @@ static const char help[] =
     "                     radiance of a white surface, W/(m2 sr). Brighter light is clipped, with a note\n"
     "                     (default: lightmaps clip at most 0.1 %, vertices nothing, vertices with --unlit\n"
     "                     above four times the mean)\n"
+    "  --photometric      vertex, lightmap: report lux and cd/m2, and write lux (683 lm/W) to\n"
+    "                     OUT.lightmap.exr and .ktx2; the .glb stays in W/m2\n"
     "  --dry-run          report the result, write nothing\n"
     "  --tolerance SHARE  vertex: error of interpolation between vertices (default 2%)\n"
     "  --unlit            vertex: mark diffuse materials as KHR_materials_unlit, for viewers\n"
@@ -126,6 +129,8 @@ static bool check_target(const settings *s, int *exit_status)
     else if (is_volume(s->target) && (s->bake.light_scale > 0 || s->error > 0))
         *exit_status =
             cli_usage_error("bake", "--error and --light-scale require --to vertex or lightmap");
+    else if (is_volume(s->target) && s->bake.photometric)
+        *exit_status = cli_usage_error("bake", "--photometric requires --to vertex or lightmap");
     else
         return true;
     return false;
@@ -151,6 +156,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--error", .kind = CLI_SHARE, .value = &s->error, .min = 0.001, .max = 0.5 },
         { .name = "--light-scale", .kind = CLI_REAL, .value = &s->bake.light_scale, .max = 1e12 },
         { .name = "--sky", .kind = CLI_FLAG, .value = &s->bake.sky },
+        { .name = "--photometric", .kind = CLI_FLAG, .value = &s->bake.photometric },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         VERTEX_OPTIONS(&s->bake),
         LIGHTMAP_OPTIONS(&s->bake),
@@ -178,8 +184,17 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return check_target(s, exit_status);
 }
 
+static void print_light_scale(double scale, bool photometric)
+{
+    if (photometric)
+        printf("light scale %.4g cd/m2 from white: illuminance %.4g lux\n",
+            scale * CLI_LUMINOUS_EFFICACY, scale * CLI_LUMINOUS_EFFICACY * PI);
+    else
+        printf("light scale %.4g W/(m2 sr) from white: irradiance %.4g W/m2\n", scale, scale * PI);
+}
+
 /// Prints figures of a bake; those that a target does not have are 0.
-static void print_report(const char *target, const rsv_bake_report *r)
+static void print_report(const char *target, const rsv_bake_report *r, bool photometric)
 {
     if (r->vertices)
         printf("vertices    %zu, %zu triangles (of %zu)\n", r->vertices, r->triangles,
@@ -194,8 +209,7 @@ static void print_report(const char *target, const rsv_bake_report *r)
         printf("%-11s %u x %u x %u, %zu valid\n", target, r->probe_count[0], r->probe_count[1],
             r->probe_count[2], r->valid_probes);
     else if (r->light_scale > 0)
-        printf("light scale %.4g W/(m2 sr) from white: irradiance %.4g W/m2\n",
-            (double)r->light_scale, (double)r->light_scale * PI);
+        print_light_scale((double)r->light_scale, photometric);
     if (r->saturated > 0)
         printf("clipped     %.3g %% of the %s are brighter than that%s\n", 100 * r->saturated,
             r->map_width ? "texels" : "vertices",
@@ -305,7 +319,7 @@ static int bake(cli_session *session, settings *s, cli_subject *subject)
     if (status != RSV_OK) return cli_report_failure(session, status);
     cli_checkpoint_prune(&s->checkpoint);
     cli_progress_clear(&session->progress);
-    print_report(s->target, &report);
+    print_report(s->target, &report, s->bake.photometric);
     bool written =
         !s->stats || write_stats(session, s, subject->solution, &report, cli_seconds() - solved);
     return written ? CLI_SUCCESS : CLI_FAILURE;
@@ -318,7 +332,8 @@ static int run(cli_session *session, settings *s)
     session->moment = s->moment;
     session->reading = s->reading;
     session->max_bytes = s->solve.max_bytes;
-    session->keep_document = true; // .glb files are written anew, others keep what it says of itself
+    session->keep_document =
+        true; // .glb files are written anew, others keep what it says of itself
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);
     cli_close_subject(&subject);

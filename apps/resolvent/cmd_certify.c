@@ -13,15 +13,15 @@
 static const char help[] =
     "usage: resolvent certify SCENE [options]\n"
     "\n"
-    "Measures the error of the solved light of SCENE (a file, a built-in scene, or a file from `resolvent\n"
-    "solve`). At random points on the surfaces, it compares the stored irradiance with a new gather of\n"
-    "rays through the continuous equation, with independent random numbers. Prints, in W/m2 (luminance,\n"
-    "root mean square over the surfaces) and as a percentage of the irradiance:\n"
+    "Solves SCENE (a file or a built-in scene) and measures how accurate the solution is. A file from\n"
+    "`resolvent solve` is not solved again. At random points on the surfaces, `certify` compares the\n"
+    "irradiance of the solution with the irradiance that new rays gather there. Prints root mean squares\n"
+    "over the surfaces, of luminance, in W/m2 and as a percentage of the irradiance:\n"
     "\n"
     "  irradiance  of the solution\n"
-    "  residual    how far the solution is from satisfying the equation, with a 95 % interval\n"
-    "  bound       the error is at most this: the residual (upper end) / (1 - largest albedo)\n"
-    "  estimate    the probable error, from one more solve with the residual\n"
+    "  residual    difference between the solution and the new rays, with a 95 % interval\n"
+    "  bound       with 95 % confidence, the error is not larger than this\n"
+    "  estimate    the probable error, with a 95 % interval\n"
     "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
     "  --rays N           gather rays for each of two estimates per point (default 512)\n" CLI_MESH_HELP
@@ -29,12 +29,12 @@ static const char help[] =
             CLI_ERROR_TARGET_HELP
     "  --threads N        default: one per core; the figures do not depend on it\n"
     "  --stats FILE.json  what was done, time of each phase, and the certificate (docs/stats.md)\n"
-    "  --heatmap FILE     a picture of the error (.png; .exr also holds the numbers): black 0.1 %, ticks\n"
-    "                     at 1 % and 10 %, white 100 % of the irradiance\n"
+    "  --heatmap FILE     a picture of the error (.png; .exr also holds the numbers), from 0.1 % of the\n"
+    "                     irradiance (black) to 100 % (white), with ticks at 1 % and 10 %\n"
     "  --split            split the error into solver, noise of rays and size of elements; solves once\n"
     "                     more\n"
-    "  --goal             solve for the camera's picture only, and certify its mean luminance too\n"
-    "  --points FILE.csv  solve for the mean irradiance at these points only (x,y,z,nx,ny,nz, as for\n"
+    "  --goal             refine what the camera sees, and certify the mean luminance of its picture too\n"
+    "  --points FILE.csv  refine for the mean irradiance at these points (x,y,z,nx,ny,nz, as for\n"
     "                     `resolvent probe`), and certify that too\n"
     "  --camera NAME      camera of the picture, as listed by `resolvent info SCENE` (default: the first)\n"
     "  --size WxH         its size (default 256x256)\n"
@@ -168,7 +168,7 @@ static void print_row(
 
 static void print_certificate(const rsv_certificate *c)
 {
-    printf("%u points, largest albedo met %.3f\n", c->samples, c->max_albedo);
+    printf("%u points on surfaces with an albedo of up to %.3f\n", c->samples, c->max_albedo);
     print_row(c, "irradiance", c->irradiance_rms, NULL);
     print_row(c, "residual", c->residual_rms, c->residual_ci95);
     print_row(c, "bound", c->error_bound_rms, NULL);

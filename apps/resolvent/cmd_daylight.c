@@ -12,7 +12,7 @@ static const char help[] =
     "usage: resolvent daylight SCENE --weather FILE.epw -o REPORT.{html,json,csv} [options]\n"
     "\n"
     "Daylight at sensors over a year of weather: mean illuminance, daylight autonomy, useful daylight,\n"
-    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; the lamps of\n"
+    "sDA, ASE, daylight factors and EN 17037, each with its standard error. Metres, y up; the lights of\n"
     "the scene are off. See docs/daylight.md.\n"
     "\n"
     "  --weather FILE     weather file of EnergyPlus (.epw) or Daysim (.wea). May be repeated: each file\n"
@@ -25,8 +25,11 @@ static const char help[] =
     "  --north DEG        direction of north, degrees clockwise from -z, seen from above (default 0)\n"
     "  --ground ALBEDO    albedo of the ground outside the scene (default 0.2)\n"
     "  --sky-only         leave out the sun's direct light; it still lights the ground outside\n"
-    "  --shaded SCENE     the same scene with its shades down, used while --shade-lux (default 1000) or\n"
-    "                     more of direct sun reach --shade-share (default 2 %) of the sensors\n"
+    "  --shaded SCENE     the same scene with its shades down, used in each room while --shade-lux\n"
+    "                     (default 1000) or more of direct sun reach more than --shade-share\n"
+    "                     (default 2 %) of the room's sensors, as in IES LM-83\n"
+    "  --openings KIND    vertical or horizontal: which values of EN 17037 apply to all rooms (default\n"
+    "                     auto: horizontal where a room sees the sky through horizontal panes only)\n"
     "  --from H, --to H   occupied hours, standard time (default 8 to 18)\n"
     "  --hourly FILE      a row per record of the weather file, a column per sensor, in lux\n" CLI_MESH_HELP
         CLI_READING_HELP CLI_SOLVE_HELP
@@ -46,7 +49,10 @@ typedef struct settings {
     float north, ground, height, spacing, from, to, shade_lux, shade_share;
     uint32_t samples, threads;
     bool sky_only;
+    int openings; ///< index of opening_names
 } settings;
+
+static const char *const opening_names[] = { "auto", "vertical", "horizontal", NULL };
 
 /// Reports of each weather file: one or, in other formats, more. 0 = they do not come out even
 static size_t reports_per_weather(const settings *s)
@@ -96,6 +102,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->shade_share,
             .max = 1,
             .goes_with = "--shaded" },
+        { .name = "--openings",
+            .kind = CLI_CHOICE,
+            .value = &s->openings,
+            .choices = opening_names },
         { .name = "--from", .kind = CLI_REAL, .value = &s->from, .min = 0, .max = 24 },
         { .name = "--to", .kind = CLI_REAL, .value = &s->to, .min = 0, .max = 24 },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
@@ -127,6 +137,7 @@ typedef struct daylight_job {
     rsv_daylight *daylight[2];
     rsv_daylight_report report;
     uint32_t *room; ///< [points.count]
+    bool *rooflit;  ///< [run.room_count]
 } daylight_job;
 
 /// Grids of the library's, as points of a file would be.
@@ -208,7 +219,7 @@ static bool write_reports(const daylight_job *job, size_t k, size_t buried)
 {
     const settings *s = job->s;
     cli_daylight_result result = { s->scene, s->weather.item[k], &job->points, &job->weather[k],
-        &job->desc, &job->run, &job->report, job->run.hourly, buried };
+        &job->desc, &job->run, &job->report, job->run.hourly, buried, job->rooflit };
     size_t count = reports_per_weather(s);
     for (size_t r = k * count; r < (k + 1) * count; r++)
         if (!write_report(s->outputs.item[r], &result)) return false;
@@ -217,15 +228,20 @@ static bool write_reports(const daylight_job *job, size_t k, size_t buried)
 
 static void print_rooms(const daylight_job *job)
 {
-    printf("room sensors  mean lux  sDA %%  ASE %%  DF %%   EN 17037\n");
+    const double *shaded = job->report.room_shaded_hours;
+    printf("room sensors  mean lux  sDA %%  ASE %%  DF %%  %sEN 17037\n",
+        shaded ? "shades down, h  " : " ");
     for (size_t r = 0; r < job->run.room_count; r++) {
         const rsv_figure *room = job->report.room[r];
         size_t count = 0;
         for (size_t k = 0; k < job->points.count; k++)
             count += job->room[k] == r;
-        printf("%4zu %7zu %9.4g %6.1f %6.1f %6.2f  %s\n", r, count, room[RSV_SPACE_MEAN].value,
+        printf("%4zu %7zu %9.4g %6.1f %6.1f %6.2f  ", r, count, room[RSV_SPACE_MEAN].value,
             100 * room[RSV_SPACE_SDA].value, 100 * room[RSV_SPACE_ASE].value,
-            100 * room[RSV_SPACE_DAYLIGHT_FACTOR].value, cli_daylight_class_name(room));
+            100 * room[RSV_SPACE_DAYLIGHT_FACTOR].value);
+        if (shaded) printf("%14.6g  ", shaded[r]);
+        printf("%s%s\n", cli_daylight_class_name(room, job->rooflit[r]),
+            job->rooflit[r] ? " (rooflights)" : "");
     }
 }
 
@@ -239,9 +255,12 @@ static void print_space(const daylight_job *job)
             (share ? 100 : 1) * figure.standard_error, share ? "%" : facts.unit);
     }
     if (job->run.shaded)
-        printf("%-42s %8.4g             h\n", "shades down", job->report.shaded_hours);
-    printf(
-        "%-42s %s\n", "EN 17037, daylight provision", cli_daylight_class_name(job->report.space));
+        printf("%-42s %8.4g             h\n",
+            job->run.room_count > 1 ? "shades down, mean of the sensors" : "shades down",
+            job->report.shaded_hours);
+    bool rooflit = cli_daylight_is_rooflit(job->rooflit, job->run.room_count);
+    printf("%-42s %s%s\n", "EN 17037, daylight provision",
+        cli_daylight_class_name(job->report.space, rooflit), rooflit ? " (rooflights)" : "");
     if (job->run.room_count > 1) print_rooms(job);
 }
 
@@ -255,8 +274,23 @@ static void close_job(daylight_job *job)
         rsv_weather_free(job->session->context, &job->weather[k]);
     cli_free_points(&job->points);
     free(job->room);
+    free(job->rooflit);
     rsv_scene_destroy(job->scene[0]);
     rsv_scene_destroy(job->scene[1]);
+}
+
+/// Told from the panes, or as the user says.
+static rsv_status find_openings(daylight_job *job)
+{
+    size_t rooms = job->run.room_count;
+    job->rooflit = calloc(rooms, sizeof *job->rooflit);
+    if (!job->rooflit) return RSV_ERROR_MEMORY;
+    if (job->s->openings == 0)
+        return rsv_daylight_rooflit(
+            job->scene[0], job->points.probe, job->points.count, job->room, rooms, job->rooflit);
+    for (size_t r = 0; r < rooms; r++)
+        job->rooflit[r] = job->s->openings == 2;
+    return RSV_OK;
 }
 
 static rsv_status find_rooms(daylight_job *job)
@@ -264,8 +298,9 @@ static rsv_status find_rooms(daylight_job *job)
     job->room = calloc(job->points.count, sizeof *job->room);
     if (!job->room) return RSV_ERROR_MEMORY;
     job->run.room = job->room;
-    return rsv_daylight_rooms(
+    rsv_status status = rsv_daylight_rooms(
         job->scene[0], job->points.probe, job->points.count, job->room, &job->run.room_count);
+    return status == RSV_OK ? find_openings(job) : status;
 }
 
 static rsv_status find_sensors(daylight_job *job)

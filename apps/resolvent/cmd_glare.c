@@ -24,7 +24,7 @@ static const char help[] =
     "threshold are glare sources; adjacent ones form one source. Luminance is 683 lm/W times CIE 1931 Y\n"
     "of the radiance.\n"
     "\n"
-    "With --observers, computes UGR at points x,y,z looking along nx,ny,nz, due to lamps and to\n"
+    "With --observers, computes UGR at points x,y,z looking along nx,ny,nz, due to emissive surfaces and\n"
     "luminaires with an opening (--luminaire). OUT.csv: x,y,z,nx,ny,nz,ugr,background,lux,sources.\n"
     "\n"
     "  --observers FILE   the points\n"

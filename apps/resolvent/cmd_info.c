@@ -25,7 +25,7 @@ static const char help[] =
     "                     leak light, tiny or huge scale, missing light; and list what of the file is\n"
     "                     approximated or ignored\n"
     "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
-        CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_FOG_HEIGHT_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info --check room.glb\n"
@@ -563,12 +563,16 @@ static void print_text(
     print_operator(subject->solution);
 }
 
-/// The animations of a glTF file; one that cannot be played is no reason to say nothing of the rest.
-static bool open_clips(cli_session *session, const char *name)
+/// The animations of a glTF file, or of the one in an operator file; one that cannot be played is no reason to say
+/// nothing of the rest.
+static bool open_clips(cli_session *session, const char *name, const rsv_scene *scene)
 {
     bool may_have = cli_ends_in(name, ".glb") || cli_ends_in(name, ".gltf");
-    if (session->animation || !may_have || access(name, F_OK) != 0) return true;
-    rsv_status status = rsv_animation_open(session->context, name, NULL, &session->animation);
+    bool is_operator = rsv_is_operator_file(name) && rsv_scene_has_document(scene);
+    if (session->animation || !(may_have || is_operator) || access(name, F_OK) != 0) return true;
+    rsv_status status = is_operator
+                            ? rsv_animation_open_document(scene, &session->animation)
+                            : rsv_animation_open(session->context, name, NULL, &session->animation);
     if (status == RSV_ERROR_FORMAT || status == RSV_ERROR_UNSUPPORTED)
         cli_warn(session, rsv_last_error());
     else if (status != RSV_OK)
@@ -610,13 +614,15 @@ static bool print_subject(cli_session *session, const request *r)
     totals t = { 0 };
     findings found = { .wanted = r->check };
     bool printed = cli_open_subject(session, r->name, &r->environment, &subject) &&
-                   open_clips(session, r->name) && add_up(rsv_scene_get_view(subject.scene), &t) &&
+                   open_clips(session, r->name, subject.scene) &&
+                   add_up(rsv_scene_get_view(subject.scene), &t) &&
                    look_for_mistakes(session, subject.scene, &found);
     if (printed && r->json) printed = print_json(session, r->name, &subject, &t, &found);
     if (printed && !r->json) print_text(session, r->name, &subject, &t);
     if (printed && !r->json && r->check) print_findings(session, &found);
     if (found.finding) rsv_findings_release(subject.scene, found.finding);
     free_totals(&t);
+    cli_close_animation(session);
     cli_close_subject(&subject);
     return printed;
 }
@@ -635,6 +641,7 @@ int cli_info(int argc, char **argv)
         CLI_ENVIRONMENT_OPTIONS(&r.environment),
         CLI_READING_OPTIONS(&reading),
         CLI_FOG_OPTIONS(&r.environment),
+        CLI_FOG_HEIGHT_OPTION(&r.environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1,
@@ -646,6 +653,7 @@ int cli_info(int argc, char **argv)
     session.mesh = mesh;
     session.moment = moment;
     session.reading = reading;
+    session.keep_document = rsv_is_operator_file(r.name);
     bool printed = cli_is_luminaire(r.name) ? cli_print_luminaire(&session, r.name, r.json)
                                             : print_subject(&session, &r);
     cli_session_end(&session);

@@ -24,7 +24,8 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_FOG_HEIGHT_HELP
+            CLI_SOLVE_HELP
     "  --goal             refine the surfaces that these points see, directly or through reflected light\n"
     "  --photometric      lux instead of W/m2 (683 lm/W times luminance). OUT.csv holds lux,err_lux; mean,\n"
     "                     minimum and uniformity (EN 12464-1) are printed\n"
@@ -75,6 +76,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
+        CLI_FOG_HEIGHT_OPTION(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };

@@ -7,6 +7,7 @@
 #include "object_picture.h"
 #include "options.h"
 #include "output_file.h"
+#include "sequence.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -28,21 +29,27 @@ static const char help[] =
     "file.\n"
     "\n"
     "  -o FILE            the picture or operator file; repeat it for more\n"
-    "  --light NAME=SCALE set a light to SCALE times its strength in the solved scene. NAME is a\n"
-    "                     punctual light, its node, an emissive material, or #K for source K (from 0).\n"
-    "                     NAME=R,G,B: a factor for each channel; NAME=SCALE,R,G,B: both\n"
+    "  --light NAME=SCALE set a light to SCALE times its strength in the solved scene. NAME is a light\n"
+    "                     listed by `resolvent info`, its node, an emissive material, or #K for light K\n"
+    "                     (from 0); * matches any text. NAME=R,G,B: a factor for each channel;\n"
+    "                     NAME=SCALE,R,G,B: both\n"
     "  --albedo MATERIAL=R,G,B  another base colour for a plain diffuse material\n"
-    "  --move NAME=X,Y,Z  move a light by this offset in metres; the triangles of a lamp move with it\n"
+    "  --move NAME=X,Y,Z  move a light by this offset in metres; emissive triangles move with it\n"
     "  --aim NAME=X,Y,Z   turn a spot light, luminaire or directional light to shine along X,Y,Z\n"
     "  --add NAME=X,Y,Z,I add a point light of I W/sr at X,Y,Z; --light NAME=1,R,G,B colours it\n"
     "  --env-intensity S  multiply the environment by S\n"
-    "  --env-rotate DEG   rotate it to DEG degrees about the vertical, counter-clockwise from above\n"
+    "  --env-rotate DEG   rotate the environment to DEG degrees, counter-clockwise seen from above\n"
     "  --script FILE      render a sequence; -o day-%04d.png numbers the files. Each line of the script\n"
     "                     is a frame number and settings: light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
     "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z aim.NAME=X,Y,Z place.object=X,Y,Z\n"
     "                     env-rotate=DEG env-intensity=S. Frames between two lines are interpolated. If\n"
     "                     only strengths and colours of lights change, the picture of each light is\n"
     "                     rendered once, and frames are sums of these\n"
+    "  --frames A-B       render these frames of the animations of the glTF file that was solved; frame 0\n"
+    "                     is at 0 s. -o walk-%04d.png numbers the files. The light follows what moves, from\n"
+    "                     the changes above. Requires an OPERATOR solved without --time\n"
+    "  --fps N            frames per second (default 24)\n"
+    "  --clip NAME        the animation to play; all = all at once (default: the first)\n"
     "  --object FILE      with --mode operator: a rigid object that is lit and shown but not solved for; a\n"
     "                     script moves it, in metres from its position in its file (docs/view.md)\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
@@ -58,6 +65,7 @@ static const char help[] =
     "examples:\n"
     "  resolvent relight room.safetensors --light lamp=0.5,1,0.8,0.6 -o evening.png\n"
     "  resolvent relight room.safetensors --script day.txt -o day-%03d.png --size 320x180\n"
+    "  resolvent relight walk.safetensors --light lamp=0.2 --frames 0-47 -o walk-%02d.png\n"
     "  resolvent relight room.safetensors --light sun=0 --albedo wall=0.2,0.3,0.8 -o night.safetensors\n";
 
 static const char *const mode_names[] = {
@@ -72,6 +80,9 @@ typedef struct settings {
     uint32_t samples, threads, seed;
     float exposure, env_intensity, env_rotate;
     cli_light_script animation;
+    cli_sequence
+        sequence; ///< of the animations of the file; its frames are those of `animation`, too
+    const char *clip;
     rsv_scene *body; ///< the object; NULL = none
     rsv_vec3 place;  ///< in the frame in hand
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
@@ -91,6 +102,9 @@ typedef struct stage {
     uint32_t camera, frame_count;
     rsv_light_mix *mix; ///< frames are sums of one picture per source; NULL = each is rendered
     bool prepared;      ///< only strengths change, and the light of each source alone is known
+    rsv_update_report updates;   ///< of all frames that follow an animation
+    const rsv_camera *viewpoint; ///< in the frame in hand; NULL = the camera as solved
+    double relight_rays;
     double time_relight, time_render;
     float exposure; ///< of .png: one for all frames
     char scene_name[256];
@@ -203,6 +217,20 @@ static bool check_places(const settings *s)
     return true;
 }
 
+/// Frames of an animation, which take the place of a script's.
+static bool read_frames(settings *s)
+{
+    if (!s->sequence.frames) return true;
+    if (s->script) {
+        cli_usage_error("relight", "--frames and --script exclude each other; leave out one");
+        return false;
+    }
+    if (!cli_read_sequence("relight", &s->sequence)) return false;
+    s->animation.first = s->sequence.first;
+    s->animation.last = s->sequence.last;
+    return true;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -228,6 +256,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_DEVICE_OPTION(&s->device),
         { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
+        CLI_SEQUENCE_OPTIONS(&s->sequence),
+        { .name = "--clip", .kind = CLI_TEXT, .value = &s->clip, .goes_with = "--frames" },
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -243,7 +273,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         cli_usage_error("relight", "--object: moving objects require --mode operator");
         return false;
     }
-    if (!read_changes(s)) return false;
+    if (!read_changes(s) || !read_frames(s)) return false;
     *exit_status = CLI_FAILURE;
     return !s->script || (cli_read_light_script(s->script, &s->animation) && check_places(s));
 }
@@ -287,7 +317,8 @@ static void enter_frame(settings *s, uint32_t frame)
 /// @return false if the name is too long, or has no place for a number and needs one
 static bool output_path(const settings *s, size_t output, uint32_t frame, char path[PATH_MAX])
 {
-    if (s->script) return cli_frame_path(s->outputs.item[output], frame, path);
+    if (s->script || s->sequence.frames)
+        return cli_frame_path(s->outputs.item[output], frame, path);
     return snprintf(path, PATH_MAX, "%s", s->outputs.item[output]) < PATH_MAX;
 }
 
@@ -304,8 +335,14 @@ static bool check_outputs(const settings *s)
     char path[PATH_MAX];
     for (size_t k = 0; k < s->outputs.count; k++) {
         if (!output_path(s, k, s->animation.last, path)) {
-            cli_error("-o %s: with --script, the name must contain a frame number, as in "
+            cli_error("-o %s: with %s, the name must contain a frame number, as in "
                       "frame-%%04d.png",
+                s->outputs.item[k], s->script ? "--script" : "--frames");
+            return false;
+        }
+        if (s->sequence.frames && is_operator_name(path)) {
+            cli_error("-o %s: --frames writes pictures only, because operator files contain "
+                      "light at rest",
                 s->outputs.item[k]);
             return false;
         }
@@ -323,6 +360,7 @@ static rsv_render_desc describe_picture(const settings *s, const stage *on)
     cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
     desc.mode = (rsv_render_mode)s->mode;
     desc.camera = on->camera;
+    desc.viewpoint = on->viewpoint;
     desc.width = size.width;
     desc.height = size.height;
     desc.samples = s->samples;
@@ -372,7 +410,8 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
     cJSON *more = cJSON_CreateObject();
     cJSON_AddNumberToObject(more, "frames", on->frame_count);
     if (on->mix) cJSON_AddNumberToObject(more, "pictures", (double)rsv_light_mix_rendered(on->mix));
-    cJSON_AddNumberToObject(more, "relight_rays", (double)rsv_relighter_rays(on->relighter));
+    cJSON_AddNumberToObject(more, "relight_rays", on->relight_rays);
+    if (s->sequence.frames) cli_write_updates(more, &on->updates);
     cli_stats stats = { .command = "relight",
         .scene = s->scene,
         .mode = mode_names[s->mode],
@@ -395,7 +434,7 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
 /// Whether frames differ only in strengths and only pictures are written: then each is a sum of known pictures.
 static bool is_a_sum(const settings *s)
 {
-    if (s->animation.first == s->animation.last) return false;
+    if (s->animation.first == s->animation.last || s->sequence.frames) return false;
     for (size_t k = 0; k < s->animation.track_count; k++) {
         cli_track_kind kind = s->animation.track[k].kind;
         if (kind != CLI_TRACK_LIGHT && kind != CLI_TRACK_INTENSITY && kind != CLI_TRACK_PLACE)
@@ -440,8 +479,9 @@ static rsv_status prepare_sums(const settings *s, stage *on)
 static bool finish_stats(cli_session *session, const settings *s, stage *on)
 {
     double started = cli_seconds();
-    rsv_status status = rsv_relighter_settle(on->relighter);
+    rsv_status status = on->relighter ? rsv_relighter_settle(on->relighter) : RSV_OK;
     on->time_relight += cli_seconds() - started;
+    if (on->relighter) on->relight_rays = (double)rsv_relighter_rays(on->relighter);
     if (status != RSV_OK) cli_report_failure(session, status);
     return status == RSV_OK && write_stats(session, s, on);
 }
@@ -519,6 +559,61 @@ static bool run_frame(cli_session *session, settings *s, stage *on, uint32_t fra
     return status == RSV_OK;
 }
 
+/// Relights the light as it is at rest, for all frames to follow from.
+static bool begin_sequence(cli_session *session, settings *s, stage *on)
+{
+    enter_frame(s, s->sequence.first);
+    rsv_status status = relight(s, on);
+    on->relight_rays = (double)rsv_relighter_rays(on->relighter);
+    rsv_relighter_destroy(on->relighter);
+    on->relighter = NULL;
+    if (status == RSV_OK)
+        status =
+            rsv_animation_open_document(rsv_light_scene(on->subject.solution), &session->animation);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+typedef struct sequence_run {
+    cli_session *session;
+    settings *s;
+    stage *on;
+} sequence_run;
+
+/// Each process follows all frames, so that they are the same for any number, and renders those that are its own.
+static bool run_sequence_frame(void *user, uint32_t frame)
+{
+    const sequence_run *run = user;
+    settings *s = run->s;
+    stage *on = run->on;
+    rsv_scene *scene = NULL;
+    if (cli_crew_alarmed()) return true;
+    run->session->moment = (cli_moment){ cli_frame_time(&s->sequence, frame), s->clip };
+    if (!cli_load_moment(run->session, s->scene, &scene)) return false;
+    double started = cli_seconds();
+    bool finished = s->mode == RSV_RENDER_OPERATOR;
+    bool own = (s->sequence.last - frame) % cli_crew_size() == cli_crew_rank();
+    rsv_status status = cli_follow_frame(on->subject.solution, scene, finished, &on->updates);
+    on->time_relight += cli_seconds() - started;
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    if (on->camera < view->camera_count) on->viewpoint = &view->camera[on->camera];
+    if (status == RSV_OK && own) status = write_outputs(s, on, frame);
+    if (status != RSV_OK) cli_report_failure(run->session, status);
+    on->viewpoint = NULL;
+    on->frame_count += own;
+    rsv_scene_destroy(scene);
+    return status == RSV_OK;
+}
+
+static bool run_sequence(cli_session *session, settings *s, stage *on)
+{
+    sequence_run run = { session, s, on };
+    bool good = begin_sequence(session, s, on) &&
+                cli_run_frames(session, &s->sequence, run_sequence_frame, &run);
+    cli_close_animation(session);
+    return good;
+}
+
 /// Those frames that are this process's: several take turns, the first of them with the last, whose statistics count.
 static bool run_frames(cli_session *session, settings *s, stage *on)
 {
@@ -536,10 +631,11 @@ static int run(cli_session *session, settings *s)
     stage on = { .frame_count = 0 };
     uint32_t frames = s->animation.last - s->animation.first + 1;
     if (!cli_is_operator(s->scene)) return CLI_FAILURE;
-    session->keep_document = keeps_operators(s);
+    session->keep_document = keeps_operators(s) || s->sequence.frames;
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
-    bool good = set_stage(session, s, &on) && run_frames(session, s, &on);
+    bool good = set_stage(session, s, &on) &&
+                (s->sequence.frames ? run_sequence : run_frames)(session, s, &on);
     if (good && s->stats) good = finish_stats(session, s, &on);
     rsv_light_mix_destroy(on.mix);
     rsv_relighter_destroy(on.relighter);
@@ -562,6 +658,7 @@ static bool is_same_everywhere(const settings *s)
 int cli_relight(int argc, char **argv)
 {
     settings s = { .mode = RSV_RENDER_FINAL,
+        .sequence = CLI_DEFAULT_SEQUENCE,
         .samples = 9,
         .exposure = CLI_AUTO_EXPOSURE,
         .env_intensity = 1,

@@ -8,6 +8,7 @@
 #include "options.h"
 #include "output_file.h"
 #include "photometry.h"
+#include "sequence.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -24,9 +25,9 @@
 static const char help[] =
     "usage: resolvent render SCENE -o OUT.{exr,png,hdr} [options]\n"
     "\n"
-    "Solves the light of SCENE and renders a picture of it. SCENE is a file, a built-in scene, or a\n"
-    "solution from `resolvent solve`, which skips the solve. .exr and .hdr hold linear radiance; .png\n"
-    "is sRGB. By default, elements, rays and samples are chosen for a relative error of 7 %.\n"
+    "Solves the light of SCENE and renders a picture. SCENE is a file, a built-in scene, or a file from\n"
+    "`resolvent solve`, which is not solved again. .exr and .hdr hold linear radiance; .png is sRGB. By\n"
+    "default, the number of elements, rays and samples is chosen for a relative error of 7 %.\n"
     "\n"
     "  -o FILE            the picture; repeat it for more formats\n"
     "  --size WxH         pixels (default: 512 on the longer side, with the camera's aspect ratio)\n"
@@ -40,7 +41,7 @@ static const char help[] =
     "  --noise P%         final, operator: up to 64 times as many rays where a pixel's noise exceeds P;\n"
     "                     0 = the same number everywhere (default: 0; for final without --spp, by\n"
     "                     quality 0, 20 %, 10 %)\n" CLI_MESH_HELP CLI_READING_HELP CLI_MOMENT_HELP
-        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_SEQUENCE_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_FOG_HEIGHT_HELP CLI_SOLVE_HELP
     "  --camera NAME      a camera listed by `resolvent info SCENE` (default: the first)\n"
     "  --fstop N          depth of field: the aperture's diameter is the focal length / N, for film\n"
     "                     24 mm high (default: everything is sharp)\n"
@@ -201,6 +202,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
+        CLI_FOG_HEIGHT_OPTION(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -280,6 +282,11 @@ static bool check_request(const settings *s)
             "--error %g %%: planned pictures support errors of 0.5 %% and more; for less, choose "
             "--quality and --spp",
             100 * (double)s->target.share);
+        return false;
+    }
+    if (s->sequence.frames && rsv_is_operator_file(s->scene)) {
+        cli_error("--frames: '%s' is already solved; use `resolvent relight %s --frames %s`",
+            s->scene, s->scene, s->sequence.frames);
         return false;
     }
     if (!takes_the_film(s)) return false;
@@ -514,11 +521,7 @@ static void add_reports(reel *r, const rsv_solve_report *report, const rsv_updat
     r->sum.time_bvh += before.time_bvh;
     r->sum.time_assemble += before.time_assemble;
     r->sum.time_solve += before.time_solve;
-    r->kept.rows += kept->rows;
-    r->kept.kept_rows += kept->kept_rows;
-    r->kept.row_rays += kept->row_rays;
-    r->kept.kept_row_rays += kept->kept_row_rays;
-    r->kept.seconds += kept->seconds;
+    cli_add_update(&r->kept, kept);
 }
 
 /// Solves the light of a frame, reusing what is still valid of the previous one.
@@ -535,24 +538,16 @@ static rsv_status update(reel *r, cli_subject *subject, const rsv_render_desc *p
 /// The light that goes on from frame to frame.
 static rsv_status follow(reel *r, cli_subject *subject, const rsv_render_desc *picture)
 {
-    rsv_update_report kept = { 0 };
     rsv_solve_desc desc = describe_solve(r->s, subject->scene, picture);
     rsv_status status;
     if (!r->light) {
         status = rsv_light_create(subject->scene, &desc, &r->light);
         if (status == RSV_OK) r->base = subject->scene;
     } else {
-        status = rsv_light_follow(r->light, subject->scene, &kept);
-        // once more, as if it rested: shadows are divided as a solve divides them
-        if (status == RSV_OK && r->s->mode == RSV_RENDER_OPERATOR)
-            status = rsv_light_follow(r->light, subject->scene, NULL);
+        bool finished = r->s->mode == RSV_RENDER_OPERATOR;
+        status = cli_follow_frame(r->light, subject->scene, finished, &r->kept);
     }
     if (status != RSV_OK) return status;
-    r->kept.rows += kept.rows;
-    r->kept.kept_rows += kept.kept_rows;
-    r->kept.row_rays += kept.row_rays;
-    r->kept.kept_row_rays += kept.kept_row_rays;
-    r->kept.seconds += kept.seconds;
     r->sum = *rsv_light_report(r->light);
     r->sum.time_assemble += r->kept.seconds;
     subject->solution = r->light;
@@ -587,8 +582,9 @@ static void close_frame(const reel *r, cli_subject *subject)
     cli_close_subject(subject);
 }
 
-static bool run_frame(reel *r, uint32_t frame)
+static bool run_frame(void *user, uint32_t frame)
 {
+    reel *r = user;
     cli_subject subject = { 0 };
     rsv_image *image = NULL;
     rsv_render_desc desc;
@@ -626,12 +622,7 @@ static bool write_reel_stats(reel *r)
     if (!s->stats) return true;
     r->stats.more = cJSON_CreateObject();
     cJSON_AddNumberToObject(r->stats.more, "frames", s->sequence.last - s->sequence.first + 1);
-    cJSON_AddNumberToObject(r->stats.more, "rows_of_all_frames", (double)r->kept.rows);
-    cJSON_AddNumberToObject(r->stats.more, "kept_rows_of_all_frames", (double)r->kept.kept_rows);
-    cJSON_AddNumberToObject(r->stats.more, "row_rays_of_all_frames", (double)r->kept.row_rays);
-    cJSON_AddNumberToObject(
-        r->stats.more, "kept_row_rays_of_all_frames", (double)r->kept.kept_row_rays);
-    cJSON_AddNumberToObject(r->stats.more, "update_seconds", r->kept.seconds);
+    cli_write_updates(r->stats.more, &r->kept);
     r->stats.report = is_solved(s) ? &r->sum : NULL;
     if (cli_writes_png(&s->outputs)) r->stats.exposure = &r->exposure;
     return write_stats(r->session, s, &desc, NULL, NULL, &r->stats);
@@ -640,17 +631,12 @@ static bool write_reel_stats(reel *r)
 static int run_sequence(cli_session *session, const settings *s)
 {
     reel r = { .session = session, .s = s, .cannot_follow = s->goal || s->layers };
-    uint32_t first = s->sequence.first, last = s->sequence.last;
     rsv_status status = rsv_update_store_create(session->context, &r.store);
     bool good = status == RSV_OK;
     if (!good) cli_report_failure(session, status);
     if (good && s->layers && !writes_exr(s))
         cli_warn(session, "--layers: only .exr files hold layers");
-    for (uint32_t frame = first; good && frame <= last; frame++) {
-        if (first < last)
-            cli_progress_part(&session->progress, "frame", frame - first + 1, last - first + 1);
-        good = run_frame(&r, frame);
-    }
+    good = good && cli_run_frames(session, &s->sequence, run_frame, &r);
     rsv_update_store_destroy(r.store);
     stop_following(&r);
     return good && write_reel_stats(&r) ? CLI_SUCCESS : CLI_FAILURE;

@@ -25,17 +25,17 @@
 static const char help[] =
     "usage: resolvent view SCENE [options]\n"
     "\n"
-    "Opens a window that shows the light of SCENE (a file, a built-in scene, or a file from `resolvent\n"
-    "solve`). Fly around, drag lights, change their strength and colour, and show single orders of light.\n"
-    "F1 in the window lists keys and mouse actions. A scene that is not solved yet appears at once as a\n"
-    "sketch, and improves as its light is solved in the background.\n"
+    "Opens a window that shows SCENE (a file, a built-in scene, or a file from `resolvent solve`). Fly\n"
+    "around, drag lights, change their strength and colour, and show single bounces of light. F1 in the\n"
+    "window lists keys and mouse actions. A scene that is not solved yet appears at once as a sketch, and\n"
+    "improves while it is solved in the background.\n"
     "\n"
     "  --size WxH         pixels of the window (default 960x540)\n"
     "  --camera NAME      the camera to start with\n"
     "  --object FILE      a rigid object that moves, with its shadow and reflections: drag its ring, or\n"
     "                     use `place` in a script (docs/view.md)\n"
-    "  --exposure STOPS   brighten by 2^STOPS at the start (default: automatic for files, from their\n"
-    "                     first light, and printed; 0 for built-in scenes)\n"
+    "  --exposure STOPS   brighten by 2^STOPS at the start (default: automatic for files, and printed; 0\n"
+    "                     for built-in scenes)\n"
     "  --budget MS        milliseconds per frame for orders of light after a change (default 8)\n"
     "  --script FILE      commands for given frames: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
     "  --frames N         close after N frames\n"
@@ -284,6 +284,7 @@ static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
     open_animation(v);
+    v->session->keep_document = rsv_is_operator_file(s->scene); // it may hold an animation
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     v->session->moment = CLI_AT_REST; // the moment is the scene's only
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;

@@ -60,12 +60,13 @@ static void print_figure(FILE *f, rsv_figure_facts facts, rsv_figure figure)
 
 static void print_summary(FILE *f, const cli_daylight_result *r)
 {
+    bool rooflit = cli_daylight_is_rooflit(r->rooflit, r->run->room_count);
     fputs("<table><tr><th>Figure</th><th>Value</th><th>Standard error</th><th></th></tr>\n", f);
     for (int k = 0; k < RSV_SPACE_FIGURES; k++)
         print_figure(f, rsv_space_figure_facts((rsv_space_figure)k), r->report->space[k]);
     fprintf(f,
-        "<tr><td>EN 17037, daylight provision</td><td>%s</td><td></td><td></td></tr></table>\n",
-        cli_daylight_class_name(r->report->space));
+        "<tr><td>EN 17037, daylight provision%s</td><td>%s</td><td></td><td></td></tr></table>\n",
+        rooflit ? ", horizontal openings" : "", cli_daylight_class_name(r->report->space, rooflit));
 }
 
 /// Room by room, if there are several.
@@ -80,7 +81,8 @@ static void print_rooms(FILE *f, const cli_daylight_result *r)
     fputs("<h2>Rooms</h2>\n<table class=\"rooms\"><tr><th>Room</th><th>Sensors</th>", f);
     for (int c = 0; c < columns; c++)
         fprintf(f, "<th>%s</th>", title[c]);
-    fputs("<th>EN 17037</th></tr>\n", f);
+    const double *shaded = r->report->room_shaded_hours;
+    fprintf(f, "%s<th>EN 17037</th></tr>\n", shaded ? "<th>Shades down, h</th>" : "");
     for (size_t k = 0; k < r->run->room_count; k++) {
         const rsv_figure *room = r->report->room[k];
         size_t count = 0;
@@ -92,7 +94,9 @@ static void print_rooms(FILE *f, const cli_daylight_result *r)
             fprintf(f, "<td>%.4g &plusmn; %.2g</td>", scale * room[shown[c]].value,
                 scale * room[shown[c]].standard_error);
         }
-        fprintf(f, "<td>%s</td></tr>\n", cli_daylight_class_name(room));
+        if (shaded) fprintf(f, "<td>%.6g</td>", shaded[k]);
+        fprintf(f, "<td>%s%s</td></tr>\n", cli_daylight_class_name(room, r->rooflit[k]),
+            r->rooflit[k] ? " (rooflights)" : "");
     }
     fputs("</table>\n<p>Point at a sensor in a plan to read its room.</p>\n", f);
 }

@@ -8,11 +8,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-const char *cli_daylight_class_name(const rsv_figure *figures)
+const char *cli_daylight_class_name(const rsv_figure *figures, bool rooflit)
 {
     static const char *const names[] = { "none", "minimum", "medium", "high" };
-    return names[rsv_daylight_class(
-        figures[RSV_SPACE_TARGET].value, figures[RSV_SPACE_MINIMUM].value)];
+    double minimum = figures[RSV_SPACE_MINIMUM].value;
+    return names[rooflit ? rsv_daylight_class_rooflit(minimum)
+                         : rsv_daylight_class(figures[RSV_SPACE_TARGET].value, minimum)];
+}
+
+bool cli_daylight_is_rooflit(const bool *rooflit, size_t room_count)
+{
+    size_t count = 0;
+    while (count < room_count && rooflit[count])
+        count++;
+    return room_count > 0 && count == room_count;
 }
 
 /// Text that grows in memory and is then written at once.
@@ -107,11 +116,12 @@ static void add_settings(cJSON *root, const cli_daylight_result *r)
     cJSON_AddNumberToObject(root, "buried_sensors", (double)r->buried);
 }
 
-static void add_space(cJSON *object, const rsv_figure *figures)
+static void add_space(cJSON *object, const rsv_figure *figures, bool rooflit)
 {
     for (int f = 0; f < RSV_SPACE_FIGURES; f++)
         add_figure(object, rsv_space_figure_facts((rsv_space_figure)f), figures[f]);
-    cJSON_AddStringToObject(object, "en_17037", cli_daylight_class_name(figures));
+    cJSON_AddStringToObject(object, "openings", rooflit ? "horizontal" : "vertical");
+    cJSON_AddStringToObject(object, "en_17037", cli_daylight_class_name(figures, rooflit));
 }
 
 /// Which sensors a room has, and their figures.
@@ -124,7 +134,9 @@ static void add_rooms(cJSON *root, const cli_daylight_result *r)
         cJSON *sensors = cJSON_AddArrayToObject(room, "sensors");
         for (size_t s = 0; s < r->points->count; s++)
             if (r->run->room[s] == k) cJSON_AddItemToArray(sensors, cJSON_CreateNumber((double)s));
-        add_space(room, r->report->room[k]);
+        if (r->report->room_shaded_hours)
+            cJSON_AddNumberToObject(room, "shaded_hours", r->report->room_shaded_hours[k]);
+        add_space(room, r->report->room[k], r->rooflit[k]);
     }
 }
 
@@ -132,7 +144,8 @@ bool cli_write_daylight_json(const char *path, const cli_daylight_result *r)
 {
     cJSON *root = cJSON_CreateObject();
     add_settings(root, r);
-    add_space(cJSON_AddObjectToObject(root, "space"), r->report->space);
+    add_space(cJSON_AddObjectToObject(root, "space"), r->report->space,
+        cli_daylight_is_rooflit(r->rooflit, r->run->room_count));
     add_rooms(root, r);
     cJSON *sensors = cJSON_AddArrayToObject(root, "sensors");
     for (size_t k = 0; k < r->points->count; k++) {

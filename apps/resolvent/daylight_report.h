@@ -15,6 +15,7 @@ typedef struct cli_daylight_result {
     const rsv_daylight_report *report;
     const float *hourly; ///< [weather->count][points->count] lux; NULL = not kept
     size_t buried;       ///< sensors that lie within something
+    const bool *rooflit; ///< [run->room_count] rooms with horizontal openings only
 } cli_daylight_result;
 
 /// Writes one line per sensor: position, normal, each figure with its standard error. Like the functions below, it
@@ -26,7 +27,9 @@ bool cli_write_daylight_json(const char *path, const cli_daylight_result *result
 bool cli_write_daylight_hours(const char *path, const cli_daylight_result *result);
 
 /// "minimum", ... of the recommendation that the space meets.
-/// @param figures [RSV_SPACE_FIGURES] of the space or of a room
-const char *cli_daylight_class_name(const rsv_figure *figures);
+/// @param figures [RSV_SPACE_FIGURES] of the space or of a room @param rooflit by horizontal openings only
+const char *cli_daylight_class_name(const rsv_figure *figures, bool rooflit);
+/// Whether all rooms have horizontal openings only.
+bool cli_daylight_is_rooflit(const bool *rooflit, size_t room_count);
 
 #endif

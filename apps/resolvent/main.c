@@ -21,15 +21,15 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    { "render", cli_render, "render a picture, from the solved light or path traced" },
-    { "solve", cli_solve, "solve the light of a scene and save it as an operator file" },
+    { "render", cli_render, "render a picture of a scene" },
+    { "solve", cli_solve, "solve the light of a scene once and save it as an operator file" },
     { "relight", cli_relight, "change the lights and colours of an operator file" },
-    { "bake", cli_bake, "write solved light into a glTF file, for engines and web pages" },
-    { "view", cli_view, "open a window onto the light of a scene, or record frames" },
+    { "bake", cli_bake, "write the light of a scene into a glTF file, for engines and web pages" },
+    { "view", cli_view, "fly through a scene and change its lights, in a window" },
     { "probe", cli_probe, "read irradiance or lux at points, with standard errors" },
     { "daylight", cli_daylight, "report daylight over a year of weather" },
-    { "fit", cli_fit, "find how far to dim lights for target lux with the least power" },
-    { "certify", cli_certify, "measure the error of the solved light: a bound and an estimate" },
+    { "fit", cli_fit, "find how far to dim lights to reach target lux with the least power" },
+    { "certify", cli_certify, "measure how accurate a solution is" },
     { "compare", cli_compare, "measure how one picture differs from another" },
     { "layers", cli_layers, "show the layers of a picture side by side" },
     { "falsecolor", cli_falsecolor, "show luminance or lux in colours, with a scale" },
@@ -97,7 +97,7 @@ static int run_command(const command *found, int argc, char **argv)
     return cli_crew_leave(exit_status);
 }
 
-/// A program that is built for AVX2 would end without a word elsewhere.
+/// Without this check, a program built for AVX2 would crash on other CPUs.
 static bool processor_serves(void)
 {
 #if defined(__x86_64__) && defined(__AVX2__)

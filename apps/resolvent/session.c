@@ -206,11 +206,17 @@ bool cli_session_begin(cli_session *session, uint32_t threads)
     return true;
 }
 
+void cli_close_animation(cli_session *session)
+{
+    rsv_animation_destroy(session->animation);
+    session->animation = NULL;
+}
+
 void cli_session_end(cli_session *session)
 {
     cli_progress_clear(&session->progress);
     interruptible = NULL;
-    rsv_animation_destroy(session->animation);
+    cli_close_animation(session);
     rsv_context_destroy(session->context);
     forget(&session->warnings);
     forget(&session->notes);

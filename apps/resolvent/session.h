@@ -97,9 +97,12 @@ extern const char *const cli_light_unit_names[], *const cli_emit_names[];
 const char *cli_reading_given(const cli_reading *reading);
 
 /// @param session must stay where it is until cli_session_end
-/// @param threads 0 = one per processor
+/// @param threads 0 = one per CPU core
 bool cli_session_begin(cli_session *session, uint32_t threads);
 void cli_session_end(cli_session *session);
+
+/// Closes the animation. Do so before the scene whose document it plays is destroyed.
+void cli_close_animation(cli_session *session);
 
 /// Builds the built-in scene `name` around the session's mesh.
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
@@ -129,24 +132,27 @@ typedef struct cli_environment {
     "  --env FILE         environment: a latitude-longitude picture (.hdr, .exr), or white (radiance 1\n" \
     "                     from everywhere), or sky (a clear sky with its own sun)\n"                      \
     "  --env-intensity S  multiply the environment by S (default 1)\n"                                    \
-    "  --env-rotate DEG   rotate it about the vertical, counter-clockwise from above (default 0)\n"
+    "  --env-rotate DEG   rotate the environment, counter-clockwise seen from above (default 0)\n"
 
 // clang-format off
 /// The options that fill its fog.
 #define CLI_FOG_OPTIONS(environment)                                                               \
     { .name = "--fog", .kind = CLI_TEXT, .value = &(environment)->fog.medium },                    \
-    { .name = "--fog-height", .kind = CLI_TEXT, .value = &(environment)->fog.height,               \
-      .goes_with = "--fog" },                                                                      \
     { .name = "--volume", .kind = CLI_TEXT, .value = &(environment)->fog.volume,                   \
+      .goes_with = "--fog" }
+/// For commands that have mode `reference`, or only describe the scene.
+#define CLI_FOG_HEIGHT_OPTION(environment)                                                         \
+    { .name = "--fog-height", .kind = CLI_TEXT, .value = &(environment)->fog.height,               \
       .goes_with = "--fog" }
 // clang-format on
 
 #define CLI_FOG_HELP                                                                                   \
     "  --fog E[,A[,G]]    fill the air with fog: extinction E per metre, albedo A (default 1), mean\n" \
     "                     cosine G of the scattering angle (default 0); E and A may be R:G:B\n"        \
-    "  --fog-height H[,Y] above the height Y (default 0), fog thins to 1/e every H metres; requires\n" \
-    "                     --mode reference\n" \
     "  --volume FILE.vdb  multiply the extinction by the densities of a grid of this OpenVDB file\n"
+#define CLI_FOG_HEIGHT_HELP                                                                         \
+    "  --fog-height H[,Y] mode reference: above the height Y (default 0), fog thins to 1/e every\n" \
+    "                     H metres\n"
 
 /// Loads the file `name` or, if there is no such file, builds the built-in scene of that name.
 /// Prints an error and returns NULL on failure.
@@ -163,7 +169,7 @@ bool cli_interrupted(void);
 /// Prints why a call of the library failed (or that the work was cancelled); returns the exit status.
 int cli_report_failure(cli_session *session, rsv_status status);
 
-/// Threads that a context of `threads` threads runs: `threads`, or one per processor if 0.
+/// Threads that a context of `threads` threads runs: `threads`, or one per CPU core if 0.
 uint32_t cli_thread_count(uint32_t threads);
 
 /// Prints "error: ..." on standard error.

@@ -35,6 +35,13 @@ typedef struct rsv_clip {
 RSV_API rsv_status rsv_animation_open(
     rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_animation **animation);
 
+/// The animations of the glTF file that a scene keeps (rsv_load_desc.keep_document), such as the scene of an operator
+/// file, for a light to follow (rsv_light_follow). Its scenes have the materials, the strengths of lights and, if the
+/// file has none, the first camera of `scene`, but no environment and no fog.
+/// @param scene committed; must outlive the animation
+/// @return RSV_ERROR_UNSUPPORTED if it keeps no file, or if lights were moved, added or replaced since it was read
+RSV_API rsv_status rsv_animation_open_document(const rsv_scene *scene, rsv_animation **animation);
+
 /// Destroy all scenes from the animation first. NULL is allowed.
 RSV_API void rsv_animation_destroy(rsv_animation *animation);
 

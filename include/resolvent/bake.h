@@ -74,6 +74,9 @@ typedef struct rsv_bake_desc {
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     /// Also write OUT.hdr: the environment, W/(sr m2), without its rotation, for backgrounds and reflections
     bool sky;
+    /// Lightmaps: .exr and .ktx2 in lux (683 lm/W) instead of W/m2: 0.2126 R + 0.7152 G + 0.0722 B is illuminance. The
+    /// glTF file stays in W/m2.
+    bool photometric;
     bool dry_run;                    ///< compute the report, but write nothing
     const rsv_bake_visitor *visitor; ///< borrowed; NULL = none
 } rsv_bake_desc;

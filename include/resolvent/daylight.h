@@ -46,18 +46,26 @@ RSV_API rsv_status rsv_daylight_surround(
 // ---- sensors --------------------------------------------------------------------------------------
 
 /// Places sensors on regular grids above the floors. Floors are roofed surfaces that face up, at heights whose area is
-/// at least a quarter of the largest. Sensors keep 0.3 m away from walls and furniture.
+/// at least a quarter of the largest. Sensors keep 0.3 m away from walls and furniture. Groups of up to three sensors
+/// apart from the others but in sight of them, as in a doorway through a thick wall, are left out.
 /// @param height of sensors above the floor, m
 /// @param spacing m; increased if there would be more than 4000 sensors
 /// @param sensors out: facing up; free it with rsv_daylight_free_sensors
 RSV_API rsv_status rsv_daylight_sensors(
     const rsv_scene *scene, double height, double spacing, rsv_probe **sensors, size_t *count);
-/// Groups sensors into rooms: neighbouring sensors are in one room if nothing is between them. Neighbours are closer
-/// than 1.45 times the median distance of sensors to their nearest.
+/// Groups sensors into rooms: neighbouring sensors are in one room if nothing is between them, and no passage narrower
+/// than 1.2 m. Neighbours are closer than 1.45 times the median distance of sensors to their nearest. Narrow corridors
+/// are rooms; sensors in a doorway join one of its rooms.
 /// @param room out, [count]: 0, 1, ... in the order of the sensors
 /// @param room_count out
 RSV_API rsv_status rsv_daylight_rooms(const rsv_scene *scene, const rsv_probe *sensors,
     size_t count, uint32_t *room, size_t *room_count);
+/// Whether the sensors of a room see the sky through horizontal panes, and at most 5 % of it another way. Horizontal:
+/// within 15 degrees, as rooflights are. Openings without a pane count as vertical.
+/// @param room [count] of each sensor, below room_count
+/// @param rooflit out, [room_count]
+RSV_API rsv_status rsv_daylight_rooflit(const rsv_scene *scene, const rsv_probe *sensors,
+    size_t count, const uint32_t *room, size_t room_count, bool *rooflit);
 RSV_API void rsv_daylight_free_sensors(const rsv_scene *scene, rsv_probe *sensors);
 
 // ---- coefficients ---------------------------------------------------------------------------------
@@ -125,8 +133,12 @@ typedef struct rsv_figure_facts {
 RSV_API rsv_figure_facts rsv_sensor_figure_facts(rsv_sensor_figure figure);
 RSV_API rsv_figure_facts rsv_space_figure_facts(rsv_space_figure figure);
 
-/// The level of EN 17037's recommendation for daylight provision that is met: 0 none, 1 minimum, 2 medium, 3 high.
+/// The level of EN 17037's recommendation for daylight provision that is met, of spaces with vertical or inclined
+/// openings (table A.1): 0 none, 1 minimum, 2 medium, 3 high.
 RSV_API int rsv_daylight_class(double target, double minimum);
+/// The same of spaces with horizontal openings only (table A.2): the target illuminance is required on 95 % of the
+/// space, which is what RSV_SPACE_MINIMUM holds.
+RSV_API int rsv_daylight_class_rooflit(double minimum);
 
 /// Options of an evaluation. Start from rsv_default_daylight_run_desc().
 typedef struct rsv_daylight_run_desc {
@@ -135,8 +147,9 @@ typedef struct rsv_daylight_run_desc {
     double from, to; ///< occupied hours of every day, standard time; default 8 to 18
     float *hourly;   ///< out, [weather->count][sensor count] lux; NULL = not wanted
     /// Coefficients with the shades down, for the same sensors, patches and north; NULL = there are no shades. They are
-    /// used while, with the shades up, at least `shade_lux` (default 1000) would come directly from the sun on
-    /// `shade_share` (0.02) of the sensors. Hours of sun and daylight factors are those without shades.
+    /// used, room by room, while with the shades up at least `shade_lux` (default 1000) would come directly from the
+    /// sun on more than `shade_share` (0.02) of the room's sensors. Without `room`, all sensors are one room. Hours of
+    /// sun and daylight factors are those without shades.
     const rsv_daylight *shaded;
     double shade_lux, shade_share;
     /// [sensor count] room of each sensor, below room_count, for figures by room; NULL = not wanted
@@ -160,7 +173,8 @@ typedef struct rsv_daylight_report {
     rsv_figure (*room)
         [RSV_SPACE_FIGURES]; ///< [room_count] the same for the sensors of each room; NULL = not wanted
     double hours, occupied_hours, daylight_hours; ///< in the file
-    double shaded_hours;                          ///< with the shades down
+    double shaded_hours;                          ///< with the shades down, mean of the sensors
+    double *room_shaded_hours; ///< [room_count] of each room; NULL = no rooms or no shades
 } rsv_daylight_report;
 
 /// Evaluates a weather file. Standard errors come from independent randomisations (jackknife), and from the noise and

@@ -10,8 +10,8 @@ extern "C" {
 #endif
 
 /// A factor for the sources with a given name: punctual lights and emissive materials, or, if none has that name,
-/// lights placed by a node of that name. "environment" is the environment. If a name is ambiguous, "#3" selects source
-/// number 3 (rsv_light_find_source).
+/// lights placed by a node of that name. If no node has it either, `*` in the name matches any text. "environment" is the
+/// environment. If a name is ambiguous, "#3" selects source number 3 (rsv_light_find_source).
 typedef struct rsv_light_scale {
     const char *name;
     /// Factors of the strength of the source in the scene that was solved, 0..1e6; equal for all channels of the

@@ -449,6 +449,9 @@ RSV_API size_t rsv_scene_object_triangles(const rsv_scene *scene, uint32_t objec
 /// and operator files contain no document.
 RSV_API void rsv_scene_drop_document(rsv_scene *scene);
 
+/// Whether a scene keeps such a copy.
+RSV_API bool rsv_scene_has_document(const rsv_scene *scene);
+
 /// A camera at `position` looking at `target`, y up.
 RSV_API rsv_camera rsv_camera_look_at(
     const char *name, rsv_vec3 position, rsv_vec3 target, float vertical_fov, float aspect);

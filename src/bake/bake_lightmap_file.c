@@ -9,6 +9,7 @@
 #include "bake_ktx2.h"
 #include "bake_primitive.h"
 #include "resolvent/image.h"
+#include "resolvent/luminaire.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -54,6 +55,12 @@ cleanup:
     return status;
 }
 
+/// Values of the files beside the document for W/m2.
+static float unit_of(const rsv_lightmap_bake *b)
+{
+    return b->desc->photometric ? (float)RSV_LUMEN_PER_WATT : 1;
+}
+
 /// An image of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
 static rsv_status write_exr(
     const rsv_lightmap_bake *b, const char *output, const char *suffix, const rsv_rgb *texel)
@@ -64,8 +71,9 @@ static rsv_status write_exr(
     rsv_status status =
         rsv_image_create(b->s->context, b->layout.map.width, b->layout.map.height, 1, &image);
     if (status != RSV_OK) return status;
-    memcpy(rsv_image_pixels(image, 0), texel,
-        (size_t)b->layout.map.width * b->layout.map.height * sizeof *texel);
+    rsv_rgb *pixel = rsv_image_pixels(image, 0);
+    for (size_t k = 0; k < (size_t)b->layout.map.width * b->layout.map.height; k++)
+        pixel[k] = rgb_scale(texel[k], unit_of(b));
     status = rsv_image_write(image, path, 0);
     rsv_image_destroy(image);
     return status;
@@ -76,15 +84,21 @@ static rsv_status write_ktx2(const rsv_lightmap_bake *b, const char *output)
 {
     const rsv_bake_map *map = &b->layout.map;
     char path[RSV_PATH_BYTES];
-    size_t brighter = 0;
+    size_t brighter = 0, texels = (size_t)map->width * map->height;
+    rsv_rgb *value = rsv_alloc(b->s->context, texels, sizeof *value);
+    if (!value) return RSV_ERROR_MEMORY;
     snprintf(path, sizeof path, "%.*s.lightmap.ktx2", (int)(strlen(output) - 4), output);
-    for (size_t k = 0; k < (size_t)map->width * map->height; k++)
-        brighter += rgb_max(map->light[k]) > RSV_RGB9E5_MOST;
+    for (size_t k = 0; k < texels; k++) {
+        value[k] = rgb_scale(map->light[k], unit_of(b));
+        brighter += rgb_max(value[k]) > RSV_RGB9E5_MOST;
+    }
     if (brighter)
         rsv_log(b->s->context, RSV_LOG_WARNING,
-            "bake: %zu texels exceed 65408 W/m2 and are clipped in '%s'; the .exr holds them",
-            brighter, path);
-    return rsv_bake_write_ktx2(b->s->context, path, map->width, map->height, map->light);
+            "bake: %zu texels exceed 65408 %s and are clipped in '%s'; the .exr holds them",
+            brighter, b->desc->photometric ? "lux" : "W/m2", path);
+    rsv_status status = rsv_bake_write_ktx2(b->s->context, path, map->width, map->height, value);
+    rsv_free(b->s->context, value);
+    return status;
 }
 
 /// Where the light of each texel comes from: V of bake_directions.h, a picture for each of its components.

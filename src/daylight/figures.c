@@ -54,6 +54,11 @@ int rsv_daylight_class(double target, double minimum)
                                              : 0;
 }
 
+int rsv_daylight_class_rooflit(double minimum)
+{
+    return minimum >= 750 ? 3 : minimum >= 500 ? 2 : minimum >= 300 ? 1 : 0;
+}
+
 float rsv_variant_reading(
     const float reading[RSV_DAYLIGHT_COLUMNS], int variant, double stored_error)
 {

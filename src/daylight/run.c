@@ -19,7 +19,7 @@ typedef struct run_job {
     const rsv_daylight *daylight;
     const rsv_daylight_run_desc *desc;
     rsv_year year;
-    uint8_t *down; ///< [lit_count] 1 = shades are down; NULL = there are none
+    uint8_t *down; ///< [rooms][lit_count] 1 = shades are down; NULL = there are none
     rsv_sensor_variants *figures;
     rsv_share sensors;
     _Atomic rsv_status result;
@@ -75,8 +75,9 @@ static void read_shaded(const run_job *job, size_t sensor, sensor_scratch *s)
     const rsv_daylight *shaded = job->desc->shaded;
     if (!job->down) return;
     rsv_year_read_sensor(shaded, &job->year, sensor, &s->seen, s->shaded, s->shaded_sun);
+    const uint8_t *down = job->down + rsv_shades_room_of(job->desc, sensor) * job->year.lit_count;
     for (size_t k = 0; k < job->year.lit_count; k++)
-        if (job->down[k]) memcpy(s->readings.reading[k], s->shaded[k], sizeof s->shaded[k]);
+        if (down[k]) memcpy(s->readings.reading[k], s->shaded[k], sizeof s->shaded[k]);
     if (shaded->stored_error[sensor] > s->readings.stored_error)
         s->readings.stored_error = shaded->stored_error[sensor];
 }
@@ -110,14 +111,31 @@ static rsv_status read_sensors(run_job *job)
     return job->result;
 }
 
+/// Hours with the shades down: of each room, and of all sensors on average.
+static void count_shaded(const run_job *job, rsv_daylight_report *report)
+{
+    size_t lit = job->year.lit_count, sensors = job->daylight->sensor_count;
+    for (size_t s = 0; s < sensors; s++) {
+        size_t room = rsv_shades_room_of(job->desc, s);
+        double hours = 0;
+        for (size_t k = 0; k < lit; k++)
+            hours += job->down[room * lit + k] ? job->year.lit[k].hours : 0;
+        report->shaded_hours += hours / (double)sensors;
+        if (report->room_shaded_hours) report->room_shaded_hours[room] = hours;
+    }
+}
+
 static rsv_status lower_shades(run_job *job, rsv_daylight_report *report)
 {
+    rsv_context *context = job->daylight->context;
+    size_t rooms = rsv_shades_rooms(job->desc);
     if (!job->desc->shaded) return RSV_OK;
-    job->down = rsv_alloc(job->daylight->context, job->year.lit_count, sizeof *job->down);
-    if (!job->down) return RSV_ERROR_MEMORY;
+    job->down = rsv_alloc(context, rooms * job->year.lit_count, sizeof *job->down);
+    if (job->desc->room)
+        report->room_shaded_hours = rsv_alloc(context, rooms, sizeof *report->room_shaded_hours);
+    if (!job->down || (job->desc->room && !report->room_shaded_hours)) return RSV_ERROR_MEMORY;
     rsv_status status = rsv_shades_lower(job->daylight, &job->year, job->desc, job->down);
-    for (size_t k = 0; k < job->year.lit_count; k++)
-        report->shaded_hours += job->down[k] ? job->year.lit[k].hours : 0;
+    count_shaded(job, report);
     return status;
 }
 
@@ -157,6 +175,15 @@ static rsv_status find_room_figures(const run_job *job, float *value, rsv_daylig
     return chosen && report->room ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
+static rsv_status check_rooms(const rsv_daylight *d, const rsv_daylight_run_desc *desc)
+{
+    for (size_t k = 0; desc->room && k < d->sensor_count; k++)
+        if (desc->room[k] >= desc->room_count)
+            return rsv_fail(RSV_ERROR_ARGUMENT, "daylight: sensor %zu: room %u of %zu", k,
+                desc->room[k], desc->room_count);
+    return RSV_OK;
+}
+
 rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     const rsv_daylight_run_desc *desc, rsv_daylight_report *report)
 {
@@ -168,6 +195,7 @@ rsv_status rsv_daylight_run(const rsv_daylight *d, const rsv_weather *weather,
     RSV_TRY(RSV_READ_DESC(rsv_daylight_run_desc, &settings, desc));
     for (size_t k = 0; settings.hourly && k < weather->count * d->sensor_count; k++)
         settings.hourly[k] = 0;
+    RSV_TRY(check_rooms(d, &settings));
     RSV_TRY(rsv_shades_check(d, &settings));
     RSV_TRY(rsv_year_create(d, weather, &settings, &job.year));
     RSV_TRY(lower_shades(&job, report));
@@ -191,5 +219,6 @@ void rsv_daylight_report_free(const rsv_daylight *d, rsv_daylight_report *report
 {
     rsv_free(d->context, report->sensor);
     rsv_free(d->context, report->room);
+    rsv_free(d->context, report->room_shaded_hours);
     *report = (rsv_daylight_report){ 0 };
 }

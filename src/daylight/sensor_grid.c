@@ -1,16 +1,17 @@
 /// Sensors on grids above the floors.
 #include "../core/core.h"
 #include "../core/vec.h"
-#include "resolvent/daylight.h"
-#include "resolvent/trace.h"
+#include "rooms.h"
 
 #define LEVEL_HEIGHT 0.05f ///< metres: surfaces so close in height are one level
 #define LEVELS 4096
 #define FLOOR_SHARE 0.25 ///< of the largest level's area: less is furniture
 #define FACES_UP 0.99f
 #define CLEARANCE 0.3f ///< metres to walls and furniture
+#define ASIDE 8
 #define MOST_SENSORS 4000
 #define MOST_CELLS (1 << 22)
+#define SLIVER_REACH 3.0f ///< spacings from a sensor in a doorway to one of a room
 
 typedef struct grid_job {
     rsv_context *context;
@@ -18,6 +19,7 @@ typedef struct grid_job {
     rsv_tracer *tracer;
     double *area; ///< [LEVELS] of surfaces that face up
     float height, spacing;
+    bool in_solids; ///< keep sensors that backs of walls surround
     rsv_probe *sensor;
     size_t count, capacity;
 } grid_job;
@@ -61,14 +63,40 @@ static bool is_floor(const grid_job *job, uint32_t level)
     return near >= FLOOR_SHARE * most;
 }
 
+/// The directions in which a sensor looks for walls.
+static rsv_vec3 aside(int k)
+{
+    float turn = 2 * RSV_PI / ASIDE * (float)k;
+    return v3(cosf(turn), 0, sinf(turn));
+}
+
 static bool is_clear(const grid_job *job, rsv_vec3 at)
 {
-    for (int k = 0; k < 8; k++) {
-        float turn = RSV_PI / 4 * (float)k;
-        rsv_ray ray = { at, v3(cosf(turn), 0, sinf(turn)), CLEARANCE };
+    for (int k = 0; k < ASIDE; k++) {
+        rsv_ray ray = { at, aside(k), CLEARANCE };
         if (rsv_tracer_occluded(job->tracer, &ray)) return false;
     }
     return true;
+}
+
+/// Whether a ray ends on the back of a surface that has none to show.
+static bool meets_back(const grid_job *job, rsv_vec3 at, rsv_vec3 direction)
+{
+    rsv_ray ray = { at, direction, INFINITY };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(job->tracer, &ray, &hit)) return false;
+    return !job->view->material[job->view->triangle_material[hit.triangle]].double_sided &&
+           v3_dot(normal_of(job->view, hit.triangle), direction) > 0;
+}
+
+/// As in a column or a thick wall that stands on the floor. It may end in faces of the floor, the ceiling and other walls,
+/// so not all that surrounds the sensor needs to be backs.
+static bool is_inside_solid(const grid_job *job, rsv_vec3 at)
+{
+    int backs = 0;
+    for (int k = 0; k < ASIDE && !job->in_solids; k++)
+        backs += meets_back(job, at, aside(k));
+    return backs > ASIDE / 2;
 }
 
 /// Whether a sensor above (x, z) stands over that floor, roofed over, with nothing next to it.
@@ -77,7 +105,7 @@ static bool stands(const grid_job *job, uint32_t triangle, rsv_vec3 at)
     rsv_ray down = { at, v3(0, -1, 0), INFINITY }, up = { at, v3(0, 1, 0), INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(job->tracer, &down, &hit) || hit.triangle != triangle) return false;
-    return rsv_tracer_occluded(job->tracer, &up) && is_clear(job, at);
+    return rsv_tracer_occluded(job->tracer, &up) && is_clear(job, at) && !is_inside_solid(job, at);
 }
 
 static rsv_status add_sensor(grid_job *job, rsv_vec3 at)
@@ -141,6 +169,19 @@ static float widest_needed(const grid_job *job)
     return sqrtf(size.x * size.z / MOST_CELLS);
 }
 
+static rsv_status drop_slivers(grid_job *job)
+{
+    rsv_sensor_list list = { job->sensor, job->count };
+    rsv_status status =
+        rsv_rooms_drop_slivers(job->context, job->tracer, SLIVER_REACH * job->spacing, &list);
+    if (status == RSV_OK && list.count < job->count)
+        rsv_log(job->context, RSV_LOG_INFO,
+            "daylight: %zu sensors in doorways and other gaps between rooms are left out",
+            job->count - list.count);
+    job->count = list.count;
+    return status;
+}
+
 rsv_status rsv_daylight_sensors(
     const rsv_scene *scene, double height, double spacing, rsv_probe **sensors, size_t *count)
 {
@@ -158,6 +199,8 @@ rsv_status rsv_daylight_sensors(
     RSV_TRY(rsv_tracer_create(scene, &job.tracer));
     find_levels(&job);
     RSV_TRY(fill(&job));
+    job.in_solids = job.count == 0; // all walls may face outwards
+    if (job.in_solids) RSV_TRY(fill(&job));
     for (int k = 0; job.count > MOST_SENSORS && k < 64; k++) {
         job.spacing *= 1.25f;
         RSV_TRY(fill(&job));
@@ -166,6 +209,7 @@ rsv_status rsv_daylight_sensors(
                 ? RSV_OK
                 : rsv_fail(RSV_ERROR_SCENE, "daylight: no floor under a roof was found to put "
                                             "sensors on; list them with --points"));
+    RSV_TRY(drop_slivers(&job));
     *sensors = job.sensor, *count = job.count;
     job.sensor = NULL;
 cleanup:

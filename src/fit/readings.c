@@ -3,6 +3,7 @@
 #include "../connect/connect.h"
 #include "../core/parallel.h"
 #include "../render/probe_gather.h"
+#include "../solve/light_sum.h"
 
 #define GROUPS 32 ///< that rsv_probe_job.gather_rays counts for
 
@@ -12,58 +13,49 @@ typedef struct readings {
     const rsv_fit_wanted *wanted;
     const rsv_fit_desc *desc;
     rsv_connections **connections; ///< [responses->count] of each light; NULL = nothing to connect
+    rsv_probe_job all, *job;       ///< of all lights, and [responses->count] of each
     rsv_rgb *reading;
     rsv_share points;
     _Atomic rsv_status result;
 } readings;
 
-static rsv_probe_job job_of(const readings *r, const rsv_light_view *view)
-{
-    return rsv_probe_job_of(view, r->desc->samples, r->desc->seed, true);
-}
-
-static rsv_probe_job job_of_light(const readings *r, size_t light)
-{
-    rsv_probe_job job = job_of(r, r->responses->view[light]);
-    job.connections = r->connections[light];
-    return job;
-}
-
 /// Light from all lights at one point, by shared rays.
-static void read_ends(
-    const readings *r, size_t point, const rsv_probe_end *end, size_t ends, rsv_rgb *reading)
+static void read_ends(const readings *r, size_t point, const rsv_light_sum *ends, rsv_rgb *reading)
 {
-    const rsv_probe *probe = &r->wanted[point].probe;
-    for (size_t l = 0; l < r->responses->count; l++) {
-        const rsv_light_view *view = r->responses->view[l];
-        rsv_probe_job job = job_of_light(r, l);
-        rsv_rgb sum = rsv_probe_direct(&job, probe, (uint32_t)point);
-        for (size_t k = 0; k < ends; k++)
-            sum = rgb_add(
-                sum, rgb_mul(end[k].weight, rsv_light_view_irradiance(view, end[k].triangle,
-                                                end[k].u, end[k].v, end[k].back, RSV_NONE)));
-        reading[l] = sum;
-    }
+    for (size_t l = 0; l < r->responses->count; l++)
+        reading[l] = rgb_add(rsv_probe_direct(&r->job[l], &r->wanted[point].probe, (uint32_t)point),
+            rsv_light_sum_of(ends, r->responses->view[l]));
 }
 
 static void read_lights(const readings *r, size_t point, rsv_rgb *reading)
 {
-    for (size_t l = 0; l < r->responses->count; l++) {
-        rsv_probe_job job = job_of_light(r, l);
-        reading[l] = rsv_probe_read(&job, &r->wanted[point].probe, (uint32_t)point).irradiance;
-    }
+    for (size_t l = 0; l < r->responses->count; l++)
+        reading[l] =
+            rsv_probe_read(&r->job[l], &r->wanted[point].probe, (uint32_t)point).irradiance;
 }
 
-static void read_point(const readings *r, size_t point, rsv_probe_end *end)
+/// For one worker.
+typedef struct scratch {
+    rsv_probe_end *end; ///< [rays of a reading]
+    rsv_light_sum sum;
+} scratch;
+
+static void read_point(const readings *r, size_t point, scratch *s)
 {
     rsv_rgb *reading = r->reading + point * r->responses->count;
-    rsv_probe_job job = job_of(r, r->whole);
     bool alone = false;
-    size_t ends = rsv_probe_ends(&job, &r->wanted[point].probe, (uint32_t)point, end, &alone);
-    if (alone)
+    size_t ends = rsv_probe_ends(&r->all, &r->wanted[point].probe, (uint32_t)point, s->end, &alone);
+    if (alone) {
         read_lights(r, point, reading);
-    else
-        read_ends(r, point, end, ends, reading);
+        return;
+    }
+    s->sum.added = 0;
+    for (size_t k = 0; k < ends; k++)
+        rsv_light_sum_add(&s->sum, r->whole,
+            &(rsv_triangle_point){ s->end[k].triangle, s->end[k].u, s->end[k].v, s->end[k].back },
+            s->end[k].weight);
+    rsv_light_sum_close(&s->sum, r->whole);
+    read_ends(r, point, &s->sum, reading);
 }
 
 static rsv_status connect_lights(readings *r)
@@ -76,16 +68,27 @@ static rsv_status connect_lights(readings *r)
     return status;
 }
 
+static void plan_jobs(readings *r)
+{
+    r->all = rsv_probe_job_of(r->whole, r->desc->samples, r->desc->seed, true);
+    for (size_t l = 0; l < r->responses->count; l++) {
+        r->job[l] = rsv_probe_job_of(r->responses->view[l], r->desc->samples, r->desc->seed, true);
+        r->job[l].connections = r->connections[l];
+    }
+}
+
 static void read_share(void *data, int worker)
 {
     readings *r = data;
     rsv_context *context = r->whole->context;
-    size_t ends = (size_t)GROUPS * job_of(r, r->whole).gather_rays;
-    rsv_probe_end *end = rsv_alloc(context, ends, sizeof *end);
-    if (!end) rsv_keep_failure(&r->result, RSV_ERROR_MEMORY);
+    size_t ends = (size_t)GROUPS * r->all.gather_rays;
+    scratch s = { .end = rsv_alloc(context, ends, sizeof *s.end) };
+    rsv_status status = rsv_light_sum_create(context, ends, &s.sum);
+    if (status != RSV_OK || !s.end) rsv_keep_failure(&r->result, RSV_ERROR_MEMORY);
     for (rsv_span span; r->result == RSV_OK && rsv_share_take(&r->points, worker, &span);)
-        if (!rsv_cancelled(context)) read_point(r, span.begin, end);
-    rsv_free(context, end);
+        if (!rsv_cancelled(context)) read_point(r, span.begin, &s);
+    rsv_light_sum_destroy(context, &s.sum);
+    rsv_free(context, s.end);
 }
 
 static rsv_status read_points(readings *r, size_t count)
@@ -105,12 +108,15 @@ rsv_status rsv_fit_read(const rsv_light_view *whole, const rsv_light_responses *
     rsv_context *context = whole->context;
     rsv_status status;
     r.connections = rsv_alloc(context, responses->count, sizeof *r.connections);
-    RSV_TRY(r.connections ? RSV_OK : RSV_ERROR_MEMORY);
+    r.job = rsv_alloc(context, responses->count, sizeof *r.job);
+    RSV_TRY(r.connections && r.job ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(connect_lights(&r));
+    plan_jobs(&r);
     RSV_TRY(read_points(&r, count));
 cleanup:
     for (size_t l = 0; r.connections && l < responses->count; l++)
         rsv_connections_destroy(r.connections[l]);
     rsv_free(context, r.connections);
+    rsv_free(context, r.job);
     return status;
 }

@@ -281,8 +281,8 @@ static void look_up_block(const tile *t, uint32_t block)
     if (w->glossy[stage]) {
         float width[RSV_LANES];
         find_widths(t, &w->packet[stage], width);
-        t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage], width,
-            w->glossy[stage], w->radiance + first,
+        w->begins[stage] |= t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage],
+            width, w->glossy[stage], w->radiance + first,
             (rsv_glossy_block){ &w->gloss, first, &w->ahead[stage] });
     }
     if (has_history(t)) note_depths(&w->packet[stage], w->depth + first);

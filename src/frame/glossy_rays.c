@@ -83,7 +83,7 @@ static rsv_rgb stored_met(const rsv_glossy_rays *r, uint32_t lane)
     return rgb_add(rgb_positive(rgb_sub(shown, bsdf->emission)), counted);
 }
 
-/// A surface that rsv_glossy_material describes.
+/// A surface that a row of rsv_glossy_material describes, and the base colour.
 static rsv_rgb glossy_met(const rsv_glossy_rays *r, uint32_t lane)
 {
     const rsv_ray_packet *p = &r->packet;
@@ -95,7 +95,7 @@ static rsv_rgb glossy_met(const rsv_glossy_rays *r, uint32_t lane)
     float cos = fabsf(v3_dot(normal, direction)) / f_max(v3_length(normal), 1e-30f);
     const float *row = m->row[(int)(sqrtf(f_min(cos, 1)) * (RSV_TABLE_COS - 1) + 0.5f)];
     rsv_rgb color = rgb(m->base_color[0], m->base_color[1], m->base_color[2]);
-    if (m->texture_count)
+    if (m->odd_color || rsv_glossy_has(m, RSV_GLOSSY_COLOR))
         color = rsv_base_color_at(view, p->triangle[lane], p->u[lane], p->v[lane],
             4 * RSV_GATHER_SPREAD * p->t_max[lane]);
     rsv_rgb sent =
@@ -168,11 +168,13 @@ static rsv_rgb other_met(const rsv_glossy_rays *r, uint32_t lane)
     return rgb_add(shown, rgb_mul(sent, even));
 }
 
-/// Metal: no light is stored there, so the ray goes on from it.
-static bool is_bare(const rsv_glossy_rays *r, uint32_t lane)
+/// Whether glossy_met describes a surface. Of metal, no light is stored, so the ray goes on from it; where textures
+/// change what a lobe is, the mean of their product is not the product of their means.
+static bool is_even(const rsv_glossy_rays *r, uint32_t lane)
 {
     uint32_t material = scene_of(r)->view->triangle_material[r->packet.triangle[lane]];
-    return r->table->glossy->material[material].bare;
+    const rsv_glossy_material *m = &r->table->glossy->material[material];
+    return !m->bare && !rsv_glossy_varies(m);
 }
 
 static rsv_rgb light_met(const rsv_glossy_rays *r, uint32_t lane)
@@ -188,7 +190,7 @@ static rsv_rgb light_met(const rsv_glossy_rays *r, uint32_t lane)
     case RSV_SHOWN_STORED:
         return stored_met(r, lane);
     case RSV_SHOWN_GLOSSY:
-        return is_bare(r, lane) ? other_met(r, lane) : glossy_met(r, lane);
+        return is_even(r, lane) ? glossy_met(r, lane) : other_met(r, lane);
     default:
         return other_met(r, lane);
     }

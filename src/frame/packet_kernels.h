@@ -99,7 +99,7 @@ typedef struct rsv_texel_lanes {
     float weight[4][RSV_PACKET_WIDTH];
 } __attribute__((aligned(64))) rsv_texel_lanes;
 
-/// Texels of the base color of some lanes of a packet, located and prefetched before they are read.
+/// Texels of the first map of some lanes of a packet, located and prefetched before they are read.
 typedef struct rsv_texels_ahead {
     rsv_texel_lanes level[2];
     uint32_t lanes; ///< all of one material, a bit each; 0 = none
@@ -148,7 +148,8 @@ typedef struct rsv_packet_kernels {
     /// direction, which goes to the tile of `block`. @param lanes at such surfaces @param radiance as in look_up, in
     /// and out
     /// @param width of each lane's footprint, metres
-    void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
+    /// @return lanes that are left out, because textures make them smooth
+    uint32_t (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, float (*radiance)[4], rsv_glossy_block block);
     /// Sets cells, from those of their pixels that stand for them; their samples are none yet.
     /// @param speaker [16] pixels of the tile, out; -1 = none

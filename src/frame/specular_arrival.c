@@ -290,7 +290,7 @@ static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
     if (!glossy) return lanes;
     memset(q->lobes->depth, 0, RSV_BLOCK * RSV_TILE * sizeof(float));
     q->kernels->look_up(table, a->places, q->irradiance);
-    q->kernels->shade_glossy(q->shading, a->rays, a->paths->width, glossy, q->irradiance,
+    glossy &= ~q->kernels->shade_glossy(q->shading, a->rays, a->paths->width, glossy, q->irradiance,
         (rsv_glossy_block){ q->lobes, 0, NULL });
     for (uint32_t left = glossy; left; left &= left - 1) {
         uint32_t k = first_of(left), place = k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK;

@@ -1,6 +1,7 @@
-/// Base colours of sixteen pixels, included by glossy_kernels_body.h: rsv_base_color_at, except for the rounding of the
-/// level.
+/// Texels of sixteen pixels, included by glossy_kernels_body.h: as rsv_texture_at finds them, except for the rounding of
+/// the level.
 #include "../scene/material_at.h"
+#include "../scene/tangent.h"
 #include "../scene/texture.h"
 #include "../scene/texture_triangle.h"
 
@@ -180,7 +181,7 @@ static inline void find_levels(
         set_levels(&texture->level[level[k]], k, k + 1, to);
 }
 
-/// Finds the texels of a mip level, and prefetches them. @param share weight of the level in the colour
+/// Finds the texels of a mip level. @param share weight of the level in the colour
 static inline void find_level(const rsv_texture *texture, const texture_lanes *restrict at,
     const int *restrict level, const float *restrict share, rsv_texel_lanes *restrict to)
 {
@@ -205,17 +206,6 @@ static inline void find_level(const rsv_texture *texture, const texture_lanes *r
         to->weight[2][k] = lower * (1 - across[k]);
         to->weight[3][k] = lower * across[k];
     }
-    for (int k = 0; k < LANES; k++) {
-        __builtin_prefetch(texture->unorm + to->index[0][k]);
-        __builtin_prefetch(texture->unorm + to->index[2][k]);
-    }
-}
-
-/// Whether add_texels supports the texture.
-static inline bool is_packed_texture(const rsv_scene_view *scene, const rsv_texture_ref *ref)
-{
-    const rsv_texture *t = &scene->texture[ref->texture];
-    return scene->uv[ref->uv_set] && t->unorm && t->channel_count >= 3 && !t->nearest && !t->covers;
 }
 
 /// Finds the texels that lanes read.
@@ -236,6 +226,15 @@ static inline void find_texels_of(const rsv_scene_view *scene, const rsv_texture
     if (to->both) find_level(texture, &at, at.level[1], at.coarser, &to->level[1]);
 }
 
+/// Prefetches the same texels of another texture.
+static inline void approach_texels(const rsv_texture *texture, const rsv_texel_lanes *restrict at)
+{
+    for (int k = 0; k < LANES; k++) {
+        __builtin_prefetch(texture->unorm + at->index[0][k]);
+        __builtin_prefetch(texture->unorm + at->index[2][k]);
+    }
+}
+
 /// The colours of texels. @param color [3][LANES] out
 static inline void read_texels(const rsv_texture *texture, const rsv_texels_ahead *restrict from,
     float (*restrict color)[LANES])
@@ -247,18 +246,4 @@ static inline void read_texels(const rsv_texture *texture, const rsv_texels_ahea
     for (int k = 0; k < LANES; k++)
         for (int c = 0; c < 3; c++)
             color[c][k] = sum[k][c];
-}
-
-/// The one texture that a material's base color varies by; NULL = several, or of an unusual kind.
-static inline const rsv_texture_ref *packed_texture_of(
-    const rsv_scene_view *scene, uint32_t material)
-{
-    const rsv_material *m = &scene->material[material];
-    const rsv_texture_ref *found = NULL;
-    for (size_t k = 0; k < m->texture_count; k++) {
-        if (m->textures[k].role != RSV_TEXTURE_BASE_COLOR) continue;
-        if (found || !is_packed_texture(scene, &m->textures[k])) return NULL;
-        found = &m->textures[k];
-    }
-    return found;
 }

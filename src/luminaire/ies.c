@@ -1,6 +1,7 @@
 /// IES LM-63: lines of keywords, TILT=, and then nothing but numbers.
 #include "luminaire_text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,17 +33,67 @@ static rsv_status read_keywords(rsv_luminaire_text *t, bool *old, bool *tilted)
         t, "there is no line TILT=; add TILT=NONE between keywords and numbers");
 }
 
-/// How lamps do at other tilts than that of the measurement does not matter as long as they are not tilted.
-static rsv_status skip_tilt(rsv_luminaire_text *t)
+/// What a lamp gives at tilts of its luminaire, relative to the intensities of the file.
+typedef struct tilt_table {
+    int count;
+    float *angle, *factor; ///< [count] degrees from straight down, ascending
+} tilt_table;
+
+static rsv_status read_tilt_values(rsv_luminaire_text *t, tilt_table *table)
+{
+    static const double angles[2] = { 0, 180 }, factors[2] = { 0, 1e3 };
+    for (int k = 0; k < 2 * table->count; k++) {
+        bool is_angle = k < table->count;
+        double value;
+        rsv_status status =
+            rsv_luminaire_number_within(t, is_angle ? "an angle of TILT" : "a factor of TILT",
+                is_angle ? angles : factors, &value);
+        if (status != RSV_OK) return status;
+        if (is_angle)
+            table->angle[k] = (float)value;
+        else
+            table->factor[k - table->count] = (float)value;
+        if (is_angle && k > 0 && table->angle[k] <= table->angle[k - 1])
+            return rsv_luminaire_complain(t, "the angles of TILT do not ascend");
+    }
+    return RSV_OK;
+}
+
+/// Of a luminaire that points straight down, as it does where intensities are measured.
+static double factor_straight_down(const rsv_luminaire_text *t, const tilt_table *table)
+{
+    float least = INFINITY, most = 0;
+    for (int k = 0; k < table->count; k++) {
+        least = fminf(least, table->factor[k]);
+        most = fmaxf(most, table->factor[k]);
+    }
+    double factor = table->count > 0 ? (double)table->factor[0] : 1;
+    if (least < most)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: TILT: intensities are those of a luminaire that points straight down (factor %g); "
+            "the factors of other tilts, %g to %g, are not applied",
+            t->path, factor, (double)least, (double)most);
+    return factor;
+}
+
+/// @param factor out: of all intensities
+static rsv_status read_tilt(rsv_luminaire_text *t, double *factor)
 {
     static const double geometries[2] = { 1, 3 }, counts[2] = { 0, 1e4 };
-    double geometry, count, value;
-    rsv_status status =
-        rsv_luminaire_number_within(t, "the lamp's geometry of TILT", geometries, &geometry);
-    if (status == RSV_OK)
-        status = rsv_luminaire_number_within(t, "the number of TILT's angles", counts, &count);
-    for (int k = 0; status == RSV_OK && k < 2 * (int)count; k++)
-        status = rsv_luminaire_number(t, "TILT", &value);
+    double geometry, count;
+    tilt_table table = { 0 };
+    rsv_status status;
+    RSV_TRY(rsv_luminaire_number_within(t, "the lamp's geometry of TILT", geometries, &geometry));
+    RSV_TRY(rsv_luminaire_number_within(t, "the number of TILT's angles", counts, &count));
+    table.count = (int)count;
+    table.angle = rsv_alloc(t->context, (size_t)table.count, sizeof *table.angle);
+    table.factor = rsv_alloc(t->context, (size_t)table.count, sizeof *table.factor);
+    RSV_TRY(table.angle && table.factor ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(read_tilt_values(t, &table));
+    *factor = factor_straight_down(t, &table);
+cleanup:
+    rsv_free(t->context, table.angle);
+    rsv_free(t->context, table.factor);
     return status;
 }
 
@@ -97,18 +148,19 @@ static void warn_of_rest(rsv_luminaire_text *t)
 rsv_status rsv_luminaire_read_ies(rsv_luminaire_text *t)
 {
     bool old, tilted = false;
+    double tilt = 1;
     ies_facts f = { 0 };
     rsv_luminaire *l = t->to;
     rsv_status status;
     RSV_TRY(read_keywords(t, &old, &tilted));
-    if (tilted) RSV_TRY(skip_tilt(t));
+    if (tilted) RSV_TRY(read_tilt(t, &tilt));
     RSV_TRY(read_facts(t, &f));
     keep_facts(l, &f);
     RSV_TRY(rsv_luminaire_reserve(t, (uint32_t)f.vertical, (uint32_t)f.horizontal));
     RSV_TRY(rsv_luminaire_angles(t, "a vertical angle", l->vertical_count, l->vertical));
     RSV_TRY(rsv_luminaire_angles(t, "a horizontal angle", l->horizontal_count, l->horizontal));
     // since 2002 the second factor is no factor
-    RSV_TRY(rsv_luminaire_intensities(t, f.multiplier * f.ballast * (old ? f.factor : 1)));
+    RSV_TRY(rsv_luminaire_intensities(t, f.multiplier * f.ballast * tilt * (old ? f.factor : 1)));
     warn_of_rest(t);
     rsv_luminaire_close(l);
 cleanup:

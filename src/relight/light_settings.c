@@ -1,5 +1,6 @@
 #include "light_settings.h"
 
+#include "../scene/placed_luminaire.h"
 #include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "../subsurface/scatter_profile.h"
@@ -36,8 +37,8 @@ void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
 /// Which sources are meant.
 typedef struct selection {
     const char *name;
-    bool
-        own; ///< the name is one of the sources' own; if not, it can be that of a node that placed a light
+    bool own; ///< a source has this name; otherwise it may be that of a node that placed a light
+    bool pattern;  ///< no source and no node has this name; `*` in it matches any text
     size_t number; ///< of the only source that is meant; SIZE_MAX = those of the name
 } selection;
 
@@ -76,12 +77,15 @@ static size_t number_in(const char *name)
 static selection select_sources(const rsv_light_settings_home *home, const char *name)
 {
     bool own = is_known(home, name, true), called = own || is_known(home, name, false);
-    return (selection){ name, own, called ? SIZE_MAX : number_in(name) };
+    return (selection){ name, own, !called, called ? SIZE_MAX : number_in(name) };
 }
 
 static bool is_meant(const rsv_light_settings_home *home, const selection *s, size_t k)
 {
     if (s->number != SIZE_MAX) return k == s->number;
+    if (s->pattern)
+        return rsv_name_is_meant(s->name, home->source[k].name) ||
+               rsv_name_is_meant(s->name, home->source[k].node);
     const char *called = s->own ? home->source[k].name : home->source[k].node;
     return called && strcmp(called, s->name) == 0;
 }

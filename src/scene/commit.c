@@ -131,7 +131,6 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     for (size_t i = 0; i < scene->vertex_count; i++)
         radius = f_max(radius, v3_length(v3_sub(scene->position[i], centre)));
     rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
-    scene->is_framed = true;
     if (!scene->is_part)
         rsv_log(scene->context, RSV_LOG_INFO,
             scene->origin[0] != 0 || scene->origin[1] != 0 || scene->origin[2] != 0

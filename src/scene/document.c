@@ -21,6 +21,11 @@ const rsv_scene_document *rsv_scene_find_document(const rsv_scene *scene)
     return scene->document.bytes ? &scene->document : NULL;
 }
 
+bool rsv_scene_has_document(const rsv_scene *scene)
+{
+    return rsv_scene_find_document(scene) != NULL;
+}
+
 void rsv_scene_drop_document(rsv_scene *scene)
 {
     if (scene->base) return; // a variant's is its base's

@@ -57,7 +57,7 @@ cleanup:
 rsv_status rsv_scene_end_moment(rsv_scene *scene)
 {
     const rsv_scene *rest = scene->rest;
-    if (scene->camera_count || !rest->is_framed) return RSV_OK;
+    if (scene->camera_count || !rest->camera_count) return RSV_OK;
     rsv_vec3 p = rest->camera[0].position;
     const double place[3] = { p.x + rest->origin[0], p.y + rest->origin[1], p.z + rest->origin[2] };
     return rsv_scene_place_camera(scene, &rest->camera[0], place, NULL);

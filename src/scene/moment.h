@@ -5,7 +5,7 @@
 #include "scene.h"
 
 /// Gives an empty scene the materials of a committed one, in the same order, and its textures, which stay that scene's.
-/// Both have the same origin, and if the scene at rest was given a camera of its own, they have that in common too.
+/// Both have the same origin. Without a camera of its own, the scene gets the first one of the scene at rest.
 /// @param rest outlives it
 rsv_status rsv_scene_begin_moment(rsv_scene *scene, const rsv_scene *rest);
 

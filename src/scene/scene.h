@@ -39,7 +39,6 @@ struct rsv_scene {
     bool is_part;                 ///< of another scene: no camera is missed
     const struct rsv_scene *base; ///< that this one varies (variant.h); NULL = it stands by itself
     const struct rsv_scene *rest; ///< whose textures these are (moment.h); NULL = it has its own
-    bool is_framed;               ///< came without a camera, and was given one
     bool owns_positions, owns_normals, owns_environment; ///< of a variant
 
     rsv_material *material;

@@ -32,6 +32,29 @@ import sys
 sys.exit(abs(float(sys.argv[1].split()[0]) - 1) > 0.02)
 TEXT
 
+# frames of an operator file, which has the document: relit, and as the same light solved at that moment
+frames=(--mode operator --size 32x32 --spp 16)
+succeeds solve moving.glb -o rest.safetensors --quality draft --max-elements 800
+succeeds info rest.safetensors
+says 'slide  0 s to 1 s, 1 channels'
+succeeds relight rest.safetensors -o lit-%d.exr "${frames[@]}" --frames 0-2 --fps 2 --light light=0.5 --stats lit.json
+warns "'slide' is played"
+grep -q '"kept_row_rays_of_all_frames":[[:space:]]*0,' lit.json && complain "relight: no ray was kept"
+succeeds solve moving.glb -o late.safetensors --quality draft --max-elements 800 --time 1
+succeeds relight late.safetensors -o lit.exr "${frames[@]}" --light light=0.5
+succeeds compare lit-2.exr lit.exr
+says '^relative_mse *0.000'
+says '^mean_ratio *\(1.00\|0.99\)'
+succeeds compare lit-0.exr lit.exr
+says '^relative_mse *0.[1-9]' # the block has moved
+refuses 1 'keeps no glTF file' relight late.safetensors -o "$out/x%d.png" --frames 0-1
+refuses 1 'do not fit' relight rest.safetensors -o "$out/x%d.png" --frames 0-1 --move light=0.1,0,0
+refuses 1 'writes pictures only' relight rest.safetensors -o "$out/x%d.safetensors" --frames 0-1
+refuses 1 'with --frames, the name' relight rest.safetensors -o "$out/x.png" --frames 0-1
+refuses 1 "no animation 'rise'" relight rest.safetensors -o "$out/x%d.png" --frames 0-1 --clip rise
+refuses 2 'clip requires' relight rest.safetensors -o "$out/x.png" --clip slide
+refuses 1 'resolvent relight' render rest.safetensors -o "$out/x%d.png" --frames 0-1
+
 # in the view, which plays it, and goes to moments
 printf '%s\n' '0 show hud' '0 show markers' '0 exposure 0' '1 play' '4 pause' '10 scrub 1' '30 screenshot played.exr' >play.txt
 view=(view moving.glb --quality draft --size 96x64 --script play.txt --frames 31)

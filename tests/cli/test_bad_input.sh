@@ -35,10 +35,11 @@ printf '0.5,0.5,0.5,0,1,0\n' >middle.csv
 refuses 1 'fog: .*leave it out' render furnace "${picture[@]}" --mode occlusion --fog 1
 refuses 1 'error of light in fog .*--quality' render furnace -o "$out/a.png" --size 32x24 --error 10% --fog 1
 refuses 1 'lower the albedo of the fog' solve furnace -o "$out/a.safetensors" --quality draft --fog 1000
-for boundless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --mode operator" "certify furnace" \
+for boundless in "render furnace ${picture[*]}" "render furnace ${picture[*]} --mode operator" \
     "probe furnace --points middle.csv -o $out/a.csv"; do
     refuses 1 'fog: .*mode reference' $boundless --fog 1 --fog-height 2
 done
+refuses 2 'not an option' certify furnace --fog 1 --fog-height 2
 succeeds render furnace -o fog.png "${small[@]}" --quality draft --fog 1,0.5,0.2
 succeeds probe furnace --points middle.csv -o fog.csv --quality draft --fog 1,0.5
 succeeds probe furnace --points middle.csv -o fog.csv --mode reference --samples 32 --fog 1:2:3,0.5,-0.2 --fog-height 1,0.2

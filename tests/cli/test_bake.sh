@@ -187,7 +187,14 @@ assert struct.unpack_from("<I", raw, descriptor)[0] == length and at == descript
 code = [struct.unpack_from("<I", raw, at + 4 * k)[0] for k in range(width * height)]
 assert max((c & 511) * 2.0 ** ((c >> 27) - 24) for c in code) > 0.02 * 3.14159
 TEXT
+# in lux: 683 times as much, in a document that stays as it is
+succeeds bake plain.glb -o "$out/lux.glb" --to lightmap --quality draft --max-elements 300 --map-size 64 --light-scale 0.01 --photometric
+says '^light scale 6.83 cd/m2 from white: illuminance 21.46 lux'
+cmp -s "$out/lux.glb" "$out/clipped.glb" || complain "lux are in the document"
+succeeds compare "$out/lux.lightmap.exr" "$out/clipped.lightmap.exr" --json
+awk -v r="$(number stdout mean_ratio)" 'BEGIN { exit !(683 * r > 0.9999 && 683 * r < 1.0001) }' || complain "the map is not in lux"
 rm -f "$out"/*
+refuses 2 'photometric requires' bake two-rooms -o "$out/a.json" --to probes --photometric
 python3 "$here/change_box.py" marble plain.glb marble.glb || complain "no box can be made of marble"
 run bake marble.glb -o "$out/a.glb" --to vertex --operator --quality draft --max-elements 300
 ((status == 1)) || complain "an operator for run time takes marble"

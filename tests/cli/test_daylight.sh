@@ -36,6 +36,10 @@ grep -q '</html>' "$out/a.html" || complain "the page is whole"
 ! grep -qE 'src=|href=|[^a-z](nan|inf)[^a-z]' "$out/a.html" || complain "the page stands alone and has numbers"
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/s.json" --north 0 --shaded furnace --shade-share 1%
 grep -q '"shaded_hours":' "$out/s.json" || complain "hours with the shades down"
+grep -q '"openings":	"vertical"' "$out/s.json" || complain "openings without panes count as vertical"
+succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/o.json" --north 0 --openings horizontal
+grep -q '"openings":	"horizontal"' "$out/o.json" || complain "openings are horizontal if the user says so"
+grep -q '(rooflights)' stdout || complain "the printed report says which values of EN 17037 apply"
 cp a.epw b.epw
 succeeds daylight cornell-blocks "${quick[@]}" --points points.csv -o "$out/d.csv" --weather b.epw -o "$out/e.csv" --north 0
 cmp -s "$out/a.csv" "$out/d.csv" && cmp -s "$out/d.csv" "$out/e.csv" || complain "a report for each weather file"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The commands of "Start here" do what the page says they do.
+# The commands of "Start here", and with `whole` those of "An office", do what the pages say they do.
 # usage: test_docs.sh PROGRAM PAGE [whole]
 source "$(dirname "$0")/support.sh"
 
@@ -19,8 +19,20 @@ done
 for file in desk-light.csv baked.glb baked-map.glb baked-map.lightmap.exr probes.json probes.probes.bin; do
     [[ -s $file ]] || complain "$file is missing"
 done
-# every example of all pages: its command and options exist
 docs=$(dirname "$page")
+if [[ -n ${3:-} ]]; then
+    sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$docs/office.md" | sed "s|samples/office|$docs/../samples/office|" >office.sh
+    cp "$docs/../tests/fuzz/seeds/day.epw" chicago.epw
+    bash -euo pipefail office.sh >log 2>&1 || {
+        complain "a command of the office failed"
+        tail -n 5 log
+    }
+    grep -q 'illuminance: *mean 65[0-9]' log || complain "the desks have another illuminance than the page says"
+    for file in isolux.png dimming.csv office.html desks-daylight.csv; do
+        [[ -s $file ]] || complain "$file is missing"
+    done
+fi
+# every example of all pages: its command and options exist
 mapfile -t examples < <(cat "$docs"/*.md "$docs"/benchmarks/*.md "$docs/../README.md" |
     sed -n 's/"[^"]*"//g; s/ && /\n/g; s/^ *\(mpirun -n [0-9]* \)\{0,1\}\(resolvent [a-z]\)/\2/p' | grep '^resolvent ' | sort -u)
 ((${#examples[@]} > 30)) || complain "only ${#examples[@]} examples were found"

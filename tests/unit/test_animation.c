@@ -281,6 +281,49 @@ static void moments_are_read_as_the_file_is(void **state)
     remove_folder(place.path);
 }
 
+/// By the document that a scene keeps: lamps and materials are those of the scene, places those of the document.
+static void kept_documents_are_played(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    sketch s = going_sketch();
+    const char *path = write_sketch(&place, &s,
+        ONE_CHANNEL("translation", "") LAMP
+        "\"materials\":[{\"emissiveFactor\":[1,0.5,0]}],\"meshes\":[{\"primitives\":[{" SQUARE
+        ",\"material\":0}]}],\"nodes\":[{\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{"
+        "\"light\":0}}}]");
+    rsv_load_desc desc = rsv_default_load_desc();
+    desc.light_units = RSV_LIGHT_UNITS_PHOTOMETRIC;
+    desc.emit_both = true;
+    rsv_scene *loaded = NULL, *edited = NULL;
+    rsv_animation *a = NULL, *same = NULL;
+    assert_int_equal(rsv_scene_load_with(f->context, path, &desc, &loaded), RSV_OK);
+    assert_int_equal(rsv_animation_open(f->context, path, &desc, &same), RSV_OK);
+    remove_folder(place.path); // what is kept is all there is
+    if (rsv_animation_open_document(loaded, &a) != RSV_OK) fail_msg("%s", rsv_last_error());
+    for (double t = 0; t <= 1; t += 0.5)
+        assert_near(corner_at(a, 0, t, 1), corner_at(same, 0, t, 1), t);
+    rsv_scene *moment = scene_at(a, 0, 0.5);
+    const rsv_scene_view *v = rsv_scene_get_view(loaded), *w = rsv_scene_get_view(moment);
+    assert_memory_equal(&v->light[0].intensity, &w->light[0].intensity, sizeof(rsv_rgb));
+    assert_true(w->material[0].double_sided);
+    rsv_scene_destroy(moment);
+    rsv_animation_destroy(a);
+
+    // a scene that has been moved away from its document, or keeps none
+    const rsv_motion motion = { .object = 0,
+        .matrix = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1 } };
+    assert_int_equal(rsv_scene_move(loaded, &motion, 1, &edited), RSV_OK);
+    assert_int_equal(rsv_animation_open_document(edited, &a), RSV_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(rsv_last_error(), "do not fit"));
+    rsv_scene_destroy(edited);
+    rsv_scene_drop_document(loaded);
+    assert_int_equal(rsv_animation_open_document(loaded, &a), RSV_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(rsv_last_error(), "keeps no glTF file"));
+    rsv_animation_destroy(same);
+    rsv_scene_destroy(loaded);
+}
+
 // ---- clips ----------------------------------------------------------------------------------------
 
 static const char two_clips[] =
@@ -546,6 +589,7 @@ int main(void)
         CASE(weights_of_morph_targets_move),
         CASE(lights_and_cameras_move),
         CASE(moments_are_read_as_the_file_is),
+        CASE(kept_documents_are_played),
         CASE(clips_are_found_by_name_and_play_together),
         CASE(what_rests_is_as_in_the_file),
         CASE(broken_animations_are_refused),

@@ -482,6 +482,48 @@ static void shades_go_down_in_the_sun(void **state)
     world_end(w);
 }
 
+/// Shades of a room go down if more than 2 % of its own sensors are in the sun: one of 50 is not, one of 49 is.
+static void shades_go_down_room_by_room(void **state)
+{
+    (void)state;
+    enum { first = 50, count = 99 };
+    world *w = world_begin(2), *closed = world_begin(2);
+    build_open(w);
+    world_box(closed, world_lambert(closed, 0, 0), v3(10, -1, -10), v3(30, 1, 10));
+    world_commit(closed);
+    rsv_weather_hour hour = record_at(6, 21, 10.5, 700, 150);
+    rsv_weather weather = weather_of(&hour, 1);
+    rsv_probe sensor[count];
+    uint32_t room[count];
+    for (uint32_t k = 0; k < count; k++) { // the others face down, and their rooms are mixed
+        room[k] = k < 2 * (count - first) ? k % 2 : 0;
+        sensor[k] = up_at(20, 0, 0);
+        sensor[k].normal.y = k < 2 ? 1 : -1;
+    }
+    rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_DRAFT);
+    desc.sensor_rays = 240;
+    solved open = solve_with(w, &weather, sensor, count, &desc, 300);
+    solved down = solve_with(closed, &weather, sensor, count, &desc, 300);
+    float lux[count];
+    rsv_daylight_report report;
+    rsv_daylight_run_desc run = rsv_default_daylight_run_desc();
+    run.hourly = lux, run.shaded = down.daylight;
+    run.room = room, run.room_count = 2;
+    assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_OK);
+    assert_true(lux[0] > 10000 && lux[2] > 0); // room 0
+    assert_true(lux[1] == 0 && lux[3] == 0);   // room 1
+    assert_close(report.room_shaded_hours[0], 0, 0);
+    assert_close(report.room_shaded_hours[1], 1, 0);
+    assert_close(report.shaded_hours, 49.0 / 99, 1e-9);
+    rsv_daylight_report_free(open.daylight, &report);
+    room[0] = 2;
+    assert_int_equal(rsv_daylight_run(open.daylight, &weather, &run, &report), RSV_ERROR_ARGUMENT);
+    release(&down);
+    release(&open);
+    world_end(closed);
+    world_end(w);
+}
+
 // ---- errors, threads, input -------------------------------------------------------------------------
 
 enum { seeds = 8, tried = 3 };
@@ -571,6 +613,99 @@ static void rooms_are_told_apart(void **state)
     assert_int_equal(rsv_daylight_rooms(w->scene, sensor, 0, room, &rooms), RSV_OK);
     assert_int_equal(rooms, 0);
     world_end(w);
+}
+
+static void add_pane(world *w, uint32_t pane, bool upright)
+{
+    if (upright)
+        world_quad(w, pane, v3(1, 1, 0), v3(1, 2, 0), v3(3, 2, 0), v3(3, 1, 0));
+    else
+        world_quad(w, pane, v3(1, 3, -3), v3(3, 3, -3), v3(3, 3, -2), v3(1, 3, -2));
+}
+
+/// Walls of 4 by 3 by 5 m around an opening of 2 by 1 m in the roof, in the south wall, or both.
+static void build_lit_room(world *w, bool roof, bool window)
+{
+    uint32_t grey = world_lambert(w, 0.5f, 0);
+    world_box(w, grey, v3(-0.2f, -0.2f, -5.2f), v3(4.2f, 0, 0.2f)); // floor
+    world_box(w, grey, v3(-0.2f, 0, -5), v3(0, 3, 0));
+    world_box(w, grey, v3(4, 0, -5), v3(4.2f, 3, 0));
+    world_box(w, grey, v3(0, 0, -5.2f), v3(4, 3, -5));
+    world_box(w, grey, v3(0, 0, 0), v3(window ? 1 : 4, 3, 0.05f));
+    if (window) world_box(w, grey, v3(3, 0, 0), v3(4, 3, 0.05f));
+    if (window) world_box(w, grey, v3(1, 0, 0), v3(3, 1, 0.05f));
+    if (window) world_box(w, grey, v3(1, 2, 0), v3(3, 3, 0.05f));
+    world_box(w, grey, v3(0, 3, -5), v3(roof ? 1 : 4, 3.05f, 0));
+    if (roof) world_box(w, grey, v3(3, 3, -5), v3(4, 3.05f, 0));
+    if (roof) world_box(w, grey, v3(1, 3, -5), v3(3, 3.05f, -3));
+    if (roof) world_box(w, grey, v3(1, 3, -2), v3(3, 3.05f, 0));
+}
+
+static void openings_are_told_apart(void **state)
+{
+    (void)state;
+    rsv_probe sensor[] = { up_at(2, 0.8f, -2.5f), up_at(1, 0.8f, -1) };
+    const uint32_t room[] = { 0, 0 };
+    rsv_material clear = glass_material(), diffusing = lambert_material(0.8f, 0);
+    clear.thickness = 0;
+    diffusing.diffuse_transmission = 0.6f, diffusing.double_sided = true;
+    for (int k = 0; k < 8; k++) { // none, roof, window, both; of glass, of a diffusing pane
+        bool roof = k & 1, window = k & 2, rooflit = !roof;
+        world *w = world_begin(1);
+        uint32_t pane = world_material(w, k < 4 ? clear : diffusing);
+        build_lit_room(w, roof, window);
+        if (roof) add_pane(w, pane, false);
+        if (window) add_pane(w, pane, true);
+        world_commit(w);
+        assert_int_equal(rsv_daylight_rooflit(w->scene, sensor, 2, room, 1, &rooflit), RSV_OK);
+        assert_int_equal(rooflit, roof && !window);
+        world_end(w);
+    }
+    assert_int_equal(rsv_daylight_class_rooflit(750), 3);
+    assert_int_equal(rsv_daylight_class_rooflit(749), 2);
+    assert_int_equal(rsv_daylight_class_rooflit(300), 1);
+    assert_int_equal(rsv_daylight_class_rooflit(299), 0);
+}
+
+/// Rooms of an automatic grid in 4 x 3 x 8 m and `across` beyond a wall, with a doorway of 1 m.
+/// @param count out, [8] sensors of each room
+static size_t count_rooms(float wall, float across, double spacing, size_t count[8])
+{
+    world *w = world_begin(1);
+    uint32_t grey = world_lambert(w, 0.5f, 0);
+    world_room(w, grey, v3(0, 0, -8), v3(4 + wall + across, 3, 0));
+    world_box(w, grey, v3(4, 0, -8), v3(4 + wall, 3, -2.25f));
+    world_box(w, grey, v3(4, 0, -1.25f), v3(4 + wall, 3, 0));
+    world_commit(w);
+    rsv_probe *sensor;
+    size_t sensors, rooms;
+    assert_int_equal(rsv_daylight_sensors(w->scene, 0.8, spacing, &sensor, &sensors), RSV_OK);
+    uint32_t *room = calloc(sensors, sizeof *room);
+    assert_non_null(room);
+    assert_int_equal(rsv_daylight_rooms(w->scene, sensor, sensors, room, &rooms), RSV_OK);
+    for (size_t k = 0; k < sensors; k++)
+        if (room[k] < 8) count[room[k]]++;
+    free(room);
+    rsv_daylight_free_sensors(w->scene, sensor);
+    world_end(w);
+    return rooms;
+}
+
+/// A doorway neither merges rooms nor is one, whatever the wall's thickness; a corridor is one room, a solid none.
+static void doorways_part_rooms(void **state)
+{
+    (void)state;
+    const struct {
+        float wall, across;
+        double spacing;
+        size_t least[2];
+    } plan[] = { { 0.15f, 4, 0.5, { 80, 80 } }, { 0.45f, 4, 0.5, { 80, 80 } },
+        { 1, 4, 0.3, { 250, 250 } }, { 0.15f, 1.05f, 0.5, { 80, 12 } } };
+    for (size_t k = 0; k < sizeof plan / sizeof *plan; k++) {
+        size_t count[8] = { 0 };
+        assert_int_equal(count_rooms(plan[k].wall, plan[k].across, plan[k].spacing, count), 2);
+        assert_true(count[0] >= plan[k].least[0] && count[1] >= plan[k].least[1]);
+    }
 }
 
 static void grids_stand_on_floors(void **state)
@@ -720,12 +855,15 @@ int main(int argc, char **argv)
         cmocka_unit_test(figures_count_hours),
         cmocka_unit_test(grids_stand_on_floors),
         cmocka_unit_test(rooms_are_told_apart),
+        cmocka_unit_test(openings_are_told_apart),
+        cmocka_unit_test(doorways_part_rooms),
         cmocka_unit_test(failing_allocations_are_reported),
     };
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(sun_passes_clear_panes),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(shades_go_down_in_the_sun),
+        cmocka_unit_test(shades_go_down_room_by_room),
         cmocka_unit_test(hours_are_those_of_the_path_tracer),
         cmocka_unit_test(room_is_that_of_radiance),
     };

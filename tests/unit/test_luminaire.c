@@ -107,6 +107,25 @@ static void flux_is_exact_where_intensities_are_known(void **state)
     rsv_luminaire_free(f->context, &l);
 }
 
+/// The factor of TILT for a luminaire that points straight down multiplies all intensities.
+static void tilts_factor_straight_down_is_applied(void **state)
+{
+    file_fixture *f = *state;
+    rsv_luminaire l;
+    assert_int_equal(read_as(f,
+                         "TILT=INCLUDE\n1\n3\n0 45 90\n0.9 0.8 0.7\n"
+                         "1 -1 1 2 1 1 1 1 0 0\n1 1 10\n0 90\n0\n100 100\n",
+                         &l),
+        RSV_OK);
+    assert_near(rsv_luminaire_flux(&l), 0.9 * 200 * M_PI, 0.01);
+    rsv_luminaire_free(f->context, &l);
+    assert_int_equal(
+        read_as(f, "TILT=INCLUDE\n1\n0\n1 -1 1 2 1 1 1 1 0 0\n1 1 10\n0 90\n0\n100 100\n", &l),
+        RSV_OK);
+    assert_near(rsv_luminaire_flux(&l), 200 * M_PI, 0.01);
+    rsv_luminaire_free(f->context, &l);
+}
+
 /// Types A and B, one half stated: latitudes and turns change places.
 static void floodlights_and_headlights_are_told_apart(void **state)
 {
@@ -137,6 +156,8 @@ static void bad_files_are_refused(void **state)
     file_fixture *f = *state;
     static const char *const wrong[] = { "", "hello\n", "TILT=NONE\n",
         "TILT=lamp.tlt\n1 1 1 1 1 1 1 1 1 1 1 1 1 0 0 5\n", "TILT=INCLUDE\n1 1e9\n",
+        "TILT=INCLUDE\n1 2\n0 0\n1 1\n1 -1 1 2 1 1 1 1 0 0\n1 1 10\n0 90\n0\n100 100\n",
+        "TILT=INCLUDE\n1 2\n0 90\n1 -1\n1 -1 1 2 1 1 1 1 0 0\n1 1 10\n0 90\n0\n100 100\n",
         "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n0 90\n0\n100\n",
         "TILT=NONE\n1 1000 1 2 1 1 1 0 0 0 1 1 10\n90 0\n0\n100 1\n",
         "TILT=NONE\n1 1000 1 2 1 7 1 0 0 0 1 1 10\n0 90\n0\n100 1\n",
@@ -168,6 +189,8 @@ int main(void)
             flux_is_exact_where_intensities_are_known, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             floodlights_and_headlights_are_told_apart, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(
+            tilts_factor_straight_down_is_applied, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(bad_files_are_refused, file_set_up, file_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

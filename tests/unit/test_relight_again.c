@@ -339,6 +339,23 @@ static void lights_of_one_name_are_told_apart_by_number(void **state)
     world_end(w);
 }
 
+static void a_star_in_a_name_matches_any_text(void **state)
+{
+    (void)state;
+    world *w = twins();
+    rsv_light *light = solve(w);
+    rsv_light_scale scale = { "tw*", { 0.5f, 0.5f, 0.5f } };
+    const rsv_relight_desc desc = { .size = sizeof desc, .light = &scale, .light_count = 1 };
+    assert_int_equal(rsv_light_relight(light, &desc), RSV_OK);
+    const rsv_scene_view *lit = rsv_scene_get_view(rsv_light_scene(light));
+    assert_true(lit->light[0].intensity.r == 0.5f && lit->light[1].intensity.r == 0.5f);
+    assert_float_equal(lit->material[1].emission.r, 2.5f, 1e-6f);
+    scale.name = "w*";
+    assert_int_equal(rsv_light_relight(light, &desc), RSV_ERROR_ARGUMENT);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     if (asks_for_more(argc, argv)) times = 20;
@@ -349,6 +366,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(files_and_copies_know_how_lights_stand),
         cmocka_unit_test(roughly_sampled_parts_are_sampled_in_full_later),
         cmocka_unit_test(lights_of_one_name_are_told_apart_by_number),
+        cmocka_unit_test(a_star_in_a_name_matches_any_text),
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(factors_do_not_compound),

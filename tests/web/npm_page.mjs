@@ -47,4 +47,10 @@ const mixed = await page.evaluate(async () => {
     return RelightableScene.load("box.glb", "map.light.safetensors").then(() => "nothing", (e) => e.message);
 });
 test.check(mixed.includes("not baked together"), `a basis of another file: ${mixed}`);
+// the sample page, with the box as its room
+const sample = await test.browser.newPage();
+sample.on("pageerror", (error) => test.check(false, `samples/page: ${error.message}`));
+await sample.goto(`${test.address}index.html`);
+await sample.waitForSelector("input[type=range]", { timeout: 10000 }).catch(() => null);
+test.check((await sample.$$("input[type=range]")).length === 1, "samples/page has a slider for the only light");
 await test.close();

@@ -34,4 +34,6 @@ if [[ ! -d $source/web/node_modules ]] || ! command -v chromium >/dev/null; then
     exit 0
 fi
 ln -s "$source/web/node_modules/three" "$work/user/node_modules/three"
+cp "$source/samples/page/index.html" "$work/user"
+for kind in glb light.safetensors; do cp "$work/user/box.$kind" "$work/user/room-lit.$kind"; done
 CHROMIUM=$(command -v chromium) node "$source/tests/web/npm_page.mjs" "$source/web" "$work/user" "${3:-}"

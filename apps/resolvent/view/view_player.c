@@ -33,20 +33,26 @@ static double length_of(const cli_view_player *p)
     return end;
 }
 
-/// @return false after an error
-static bool open_file(const cli_view_player *p)
+/// Opens the scene's file, or the one in its operator file. @return false after an error
+static bool open_file(const cli_view_player *p, const rsv_scene *scene)
 {
+    rsv_animation **animation = &p->session->animation;
     const rsv_load_desc load = cli_describe_load(p->session);
-    return !cli_view_is_playable(p->path) || rsv_animation_open(p->session->context, p->path, &load,
-                                                 &p->session->animation) == RSV_OK;
+    if (cli_view_is_playable(p->path))
+        return rsv_animation_open(p->session->context, p->path, &load, animation) == RSV_OK;
+    return !rsv_scene_has_document(scene) ||
+           rsv_animation_open_document(scene, animation) == RSV_OK;
 }
 
 /// Opens the animation when it is first needed.
-static bool open_animation(cli_view_player *p, cli_view_state *state, char *problem)
+static bool open_animation(
+    cli_view_player *p, const cli_view_show *show, cli_view_state *state, char *problem)
 {
+    const rsv_scene *scene = rsv_light_scene(show->lit.light);
     const char *name = p->clip_name;
     if (p->animation) return true;
-    if (!p->session->animation && !open_file(p)) return fail(state, problem, rsv_last_error());
+    if (!p->session->animation && !open_file(p, scene))
+        return fail(state, problem, rsv_last_error());
     if (!p->session->animation) return fail(state, problem, "only glTF files are played");
     p->animation = p->session->animation;
     p->clip = name ? rsv_animation_find_clip(p->animation, name) : 0;
@@ -104,7 +110,7 @@ bool cli_view_play(
     *lag_ms = 0;
     if (!state->plays && !state->sought && !p->scene) return true;
     if (!cli_show_is_complete(show)) return true; // not before the best light is there
-    if (!open_animation(p, state, problem)) return false;
+    if (!open_animation(p, show, state, problem)) return false;
     advance(p, state);
     bool moves = state->sought || (state->plays && (!p->scene || state->time != p->followed));
     state->sought = false;
