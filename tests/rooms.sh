@@ -14,7 +14,7 @@ includes() {
 rooms() {
     includes src | awk '
         function complain(what) { print what > "/dev/stderr"; wrong = 1 }
-        BEGIN { FS = " *[|] *"; owner["image"] = owner["animation"] = "io"; owner["team"] = owner["device"] = "core" }
+        BEGIN { FS = " *[|] *"; owner["image"] = owner["animation"] = "io"; owner["edit"] = "scene"; owner["team"] = owner["device"] = "core" }
         NR == FNR && /^[|] `[a-z]+` [|]/ {
             room = substr($2, 2, length($2) - 2)
             name[++count] = room

@@ -7,6 +7,7 @@
 #include "output_file.h"
 #include "photometry.h"
 #include "subject.h"
+#include "view/view_editor.h"
 #include "view/view_hud.h"
 #include "view/view_player.h"
 #include "view/view_script.h"
@@ -61,6 +62,17 @@ static const char help[] =
     "  add NAME X Y Z         add a point light, and select it\n"
     "  albedo MATERIAL R G B  set a base colour\n"
     "  env-rotate DEG         rotate the environment; `turn DEG` adds to that\n"
+    "  object NAME            select an object of the scene for the following; none. `grasp X Y` selects\n"
+    "                         the one seen there\n"
+    "  shift X Y Z            move it, metres; `haul DX DY` moves it parallel to the picture\n"
+    "  spin DEG               turn it about the vertical through its middle\n"
+    "  resize FACTOR          scale it; it stays on the floor\n"
+    "  hide                   hide it or show it again\n"
+    "  duplicate              repeat it beside itself, and select the copy\n"
+    "  delete                 delete it\n"
+    "  paint R G B            base colour of its material; `surface ROUGHNESS METALNESS`\n"
+    "  undo                   undo the last of these\n"
+    "  save FILE.glb          save the edited scene\n"
     "  play                   play the animation of a glTF file, or pause it; `pause`\n"
     "  scrub S                go to S seconds of the animation; `step S` adds to that\n"
     "  speed X                play X times as fast\n"
@@ -106,6 +118,7 @@ typedef struct viewer {
     cli_view_script script;
     cli_view_hud hud;
     cli_view_player player;
+    cli_view_editor editor;
     cli_canvas canvas;
     bool made_folder;            ///< for the frames, which was not there before
     bool exposes;                ///< the first light is still to say how bright it is shown
@@ -288,6 +301,8 @@ static bool open_light(viewer *v)
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     v->session->moment = CLI_AT_REST; // the moment is the scene's only
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
+    const rsv_solve_desc solve = cli_describe_solve(&s->solve);
+    cli_view_editor_begin(&v->editor, v->subject.scene, &solve);
     cli_progress_clear(&v->session->progress);
     return must_await(v) ? await_light(v) : begin_show(v);
 }
@@ -324,6 +339,7 @@ static void close_viewer(viewer *v)
     cli_view_state_free(&v->state);
     cli_show_end(&v->show);
     cli_view_player_end(&v->player);
+    cli_view_editor_end(&v->editor);
     rsv_scene_destroy(v->body);
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
@@ -332,6 +348,13 @@ static void close_viewer(viewer *v)
 }
 
 // ---- frames ---------------------------------------------------------------------------------------------
+
+static bool apply(viewer *v, const cli_view_command *command, char *problem)
+{
+    return cli_view_edits(command->verb)
+               ? cli_view_editor_apply(&v->editor, &v->state, command, problem)
+               : cli_view_apply(&v->state, command, problem);
+}
 
 /// Carries out a command of the window; errors appear in the window.
 static void obey(void *user, const char *text)
@@ -344,7 +367,7 @@ static void obey(void *user, const char *text)
         snprintf(
             v->hud.message, sizeof v->hud.message, "%s: available once all light is solved", text);
     else
-        cli_view_apply(&v->state, &command, v->hud.message);
+        apply(v, &command, v->hud.message);
 }
 
 static bool run_script(viewer *v)
@@ -353,7 +376,7 @@ static bool run_script(viewer *v)
     for (size_t k = 0; k < v->script.line_count; k++) {
         const cli_view_script_line *line = &v->script.line[k];
         if (v->frame < line->first || v->frame > line->last) continue;
-        if (cli_view_apply(&v->state, &line->command, problem)) continue;
+        if (apply(v, &line->command, problem)) continue;
         cli_error("%s:%zu: %s", v->script.path, line->number, problem);
         return false;
     }
@@ -455,11 +478,26 @@ static bool can_run_script(const viewer *v)
                                                    : cli_show_is_lit(&v->show);
 }
 
-/// An animation that cannot be played is said in the window, where one can go on.
+/// Plays or edits: an edited scene is no longer that of the file.
+static bool move_objects(viewer *v, char *problem)
+{
+    bool played = v->player.scene != NULL, wanted = v->state.plays || v->state.sought;
+    v->editor.played = played;
+    cli_view_editor_say(&v->editor, v->hud.object);
+    if (!played && wanted && v->editor.past_count > 0) {
+        v->state.plays = v->state.sought = false;
+        snprintf(problem, CLI_VIEW_TEXT_LENGTH, "an edited scene cannot be played");
+        return false;
+    }
+    return cli_view_play(&v->player, &v->show, &v->state, &v->hud.lag_ms, problem) &&
+           cli_view_edit(&v->editor, &v->show, &v->state, &v->hud.lag_ms, problem);
+}
+
+/// What cannot be played or edited is said in the window, where one can go on.
 static bool play(viewer *v)
 {
     char problem[CLI_VIEW_TEXT_LENGTH];
-    if (cli_view_play(&v->player, &v->show, &v->state, &v->hud.lag_ms, problem)) return true;
+    if (move_objects(v, problem)) return true;
     snprintf(v->hud.message, sizeof v->hud.message, "%s", problem);
     if (v->window && !v->script.path) return true;
     cli_error("%s: %s", v->settings->scene, problem);

@@ -9,6 +9,7 @@
 #include "resolvent/check.h"
 #include "resolvent/core.h"
 #include "resolvent/daylight.h"
+#include "resolvent/edit.h"
 #include "resolvent/fit.h"
 #include "resolvent/frame.h"
 #include "resolvent/image.h"

@@ -181,6 +181,18 @@ static void trace_block(const tile *t, uint32_t block)
         rsv_tracer_closest_packet(tiling->solution->tracer, packet, true);
 }
 
+/// Of the lanes that are not in the table, those that see the sky through clear air.
+static uint32_t lanes_of_sky(const tile *t, uint32_t stage)
+{
+    const rsv_tile_worker *w = t->worker;
+    bool clear = t->eye->medium.depth == 0 && !t->tiling->shine;
+    uint32_t sky = 0;
+    if (!clear || !w->queue.light.sky.pixel || !rsv_shows_emission(t->tiling->table)) return 0;
+    for (uint32_t k = 0; k < RSV_LANES; k++)
+        sky |= (uint32_t)(w->packet[stage].triangle[k] == RSV_NONE) << k;
+    return sky & w->left[stage];
+}
+
 static void locate_block(const tile *t, uint32_t block)
 {
     rsv_tile_worker *w = t->worker;
@@ -192,7 +204,8 @@ static void locate_block(const tile *t, uint32_t block)
     bool dimmed = t->eye->medium.depth > 0;
     w->glossy[stage] =
         dimmed ? 0 : rsv_glossy_lanes(t->tiling->table, &w->packet[stage], w->left[stage]);
-    w->begins[stage] = dimmed ? 0xffff : w->left[stage] & ~w->glossy[stage];
+    w->sky[stage] = lanes_of_sky(t, stage);
+    w->begins[stage] = dimmed ? 0xffff : w->left[stage] & ~w->glossy[stage] & ~w->sky[stage];
 }
 
 /// Widths of pixels where a packet's rays ended, metres. @param width [RSV_LANES] out
@@ -285,6 +298,9 @@ static void look_up_block(const tile *t, uint32_t block)
             width, w->glossy[stage], w->radiance + first,
             (rsv_glossy_block){ &w->gloss, first, &w->ahead[stage] });
     }
+    if (w->sky[stage])
+        t->tiling->kernels->show_sky(
+            &w->queue.light.sky, &w->packet[stage], w->sky[stage], w->radiance + first);
     if (has_history(t)) note_depths(&w->packet[stage], w->depth + first);
     if (t->tiling->mover) show_mover(t, column, row, stage);
     if (t->tiling->shine)

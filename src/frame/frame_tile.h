@@ -19,6 +19,7 @@ typedef struct rsv_tile_worker {
     uint32_t left[RSV_STAGES];   ///< lanes of theirs that are not in the table
     uint32_t begins[RSV_STAGES]; ///< lanes that specular paths begin at
     uint32_t glossy[RSV_STAGES]; ///< lanes that are shaded by rsv_glossy_material
+    uint32_t sky[RSV_STAGES];    ///< lanes that see the sky directly
     rsv_texels_ahead ahead[RSV_STAGES];
     rsv_glossy_tile gloss;
     rsv_specular_lanes paths; ///< of a block

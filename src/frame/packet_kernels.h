@@ -3,6 +3,7 @@
 #ifndef RSV_PACKET_KERNELS_H
 #define RSV_PACKET_KERNELS_H
 
+#include "../sources/sky.h"
 #include "../trace/packet.h"
 #include "beam.h"
 #include "clearance.h"
@@ -141,6 +142,9 @@ typedef struct rsv_packet_kernels {
     /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
+    /// Radiance of the sky in lanes whose rays left the scene. @param radiance as in look_up
+    void (*show_sky)(
+        const rsv_sky *sky, const rsv_ray_packet *packet, uint32_t lanes, float (*radiance)[4]);
     /// Finds texels that shade_glossy is going to read, of the first of the materials that lanes are at.
     void (*find_ahead)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
         const float *width, uint32_t lanes, rsv_texels_ahead *ahead);

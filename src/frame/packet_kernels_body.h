@@ -257,9 +257,10 @@ static void display_row(const rsv_frame_tone *tone, const float (*restrict radia
 #include "glossy_filter_body.h"
 #include "glossy_kernels_body.h"
 #include "history_kernels_body.h"
+#include "sky_kernels_body.h"
 #include "smooth_kernels_body.h"
 
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, gather_beam, meet_packet, approach_packet,
-    locate_packet, descend_packet, look_up_packet, find_texels_ahead, shade_glossy_packet,
-    fill_cells, pack_pixels, blend_cells, smooth_cells, light_pixels, display_row, recall_row,
-    leave_smooth_packet };
+    locate_packet, descend_packet, look_up_packet, show_sky_packet, find_texels_ahead,
+    shade_glossy_packet, fill_cells, pack_pixels, blend_cells, smooth_cells, light_pixels,
+    display_row, recall_row, leave_smooth_packet };

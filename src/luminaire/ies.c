@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #define METRES_PER_FOOT 0.3048
 
@@ -12,6 +13,14 @@ typedef struct ies_facts {
     double lamps, lumens, multiplier, vertical, horizontal, type, units, size[3], ballast, factor,
         watts;
 } ies_facts;
+
+/// What follows TILT= on its line, in any case and with blanks around the sign; NULL = it is another line.
+static const char *tilt_of(const char *line)
+{
+    if (strncasecmp(line, "TILT", 4) != 0) return NULL;
+    line += 4 + strspn(line + 4, " \t");
+    return *line == '=' ? line + 1 + strspn(line + 1, " \t") : NULL;
+}
 
 /// Reads lines to that with TILT=. @return RSV_OK with `rest` behind it. @param old of LM-63-1986 to 1995
 static rsv_status read_keywords(rsv_luminaire_text *t, bool *old, bool *tilted)
@@ -22,9 +31,10 @@ static rsv_status read_keywords(rsv_luminaire_text *t, bool *old, bool *tilted)
         if (strstr(line, "LM-63-2002") || strstr(line, "LM-63-2019")) *old = false;
         if (strncmp(line, "[LUMINAIRE]", 11) == 0)
             snprintf(t->to->name, sizeof t->to->name, "%.120s", line + 11 + strspn(line + 11, " "));
-        if (strncmp(line, "TILT=", 5) != 0) continue;
-        *tilted = strncmp(line + 5, "INCLUDE", 7) == 0;
-        if (*tilted || strncmp(line + 5, "NONE", 4) == 0) return RSV_OK;
+        const char *tilt = tilt_of(line);
+        if (!tilt) continue;
+        *tilted = strncasecmp(tilt, "INCLUDE", 7) == 0;
+        if (*tilted || strncasecmp(tilt, "NONE", 4) == 0) return RSV_OK;
         return rsv_luminaire_complain(
             t, "TILT is in a file of its own, which is not read: only NONE and INCLUDE are");
     }

@@ -81,7 +81,7 @@ rsv_status rsv_luminaire_angles(
         if (status != RSV_OK) return status;
         angle[k] = (float)value;
         if (k > 0 && !(angle[k] > angle[k - 1]))
-            return rsv_luminaire_complain(t, "angles do not ascend");
+            return rsv_luminaire_complain(t, "angles do not ascend; are their numbers right?");
     }
     return RSV_OK;
 }
@@ -113,12 +113,20 @@ void rsv_luminaire_close(rsv_luminaire *l)
     l->horizontal_count++;
 }
 
+/// Line ends of old Macintosh files.
+static void end_lines(char *content)
+{
+    for (char *c = content; *c; c++)
+        if (*c == '\r' && c[1] != '\n') *c = '\n';
+}
+
 /// @param content ends with a zero
 static rsv_status read_content(
     rsv_context *context, const char *path, char *content, rsv_luminaire *luminaire)
 {
     rsv_luminaire_text t = { context, path, content, content, luminaire };
     if (strncmp(content, "\xef\xbb\xbf", 3) == 0) t.rest += 3;
+    end_lines(content);
     bool ies = strstr(content, "TILT=") || strncmp(t.rest, "IESNA", 5) == 0;
     rsv_status status = ies ? rsv_luminaire_read_ies(&t) : rsv_luminaire_read_eulumdat(&t);
     if (status != RSV_OK || rsv_luminaire_is_on_sphere(luminaire)) return status;

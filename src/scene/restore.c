@@ -152,7 +152,7 @@ static rsv_status add_camera(rsv_scene *scene, const rsv_camera *camera, const c
     return rsv_scene_place_camera(scene, camera, position, node);
 }
 
-static rsv_status add_parts(rsv_scene *scene, const rsv_scene_parts *parts)
+static rsv_status add_materials(rsv_scene *scene, const rsv_scene_parts *parts)
 {
     rsv_status status = RSV_OK;
     const rsv_scene_view *view = &parts->view;
@@ -160,6 +160,13 @@ static rsv_status add_parts(rsv_scene *scene, const rsv_scene_parts *parts)
         RSV_TRY(add_texture(scene, &parts->texture[k]));
     for (size_t k = 0; k < view->material_count; k++)
         RSV_TRY(rsv_scene_add_material(scene, &view->material[k], NULL));
+cleanup:
+    return status;
+}
+
+static rsv_status add_parts(rsv_scene *scene, const rsv_scene_view *view)
+{
+    rsv_status status = RSV_OK;
     for (size_t k = 0; k < view->luminaire_count; k++)
         RSV_TRY(rsv_scene_add_luminaire(scene, &view->luminaire[k], NULL));
     for (size_t k = 0; k < view->light_count; k++)
@@ -172,18 +179,27 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_scene_restore_rest(rsv_scene *scene, const rsv_scene_view *view)
+{
+    rsv_status status;
+    RSV_TRY(add_parts(scene, view));
+    RSV_TRY(copy_arrays(scene, view));
+    RSV_TRY(check_triangles(scene));
+    RSV_TRY(check_colors(scene));
+    for (int axis = 0; axis < 3; axis++)
+        scene->origin[axis] = isfinite(view->origin[axis]) ? view->origin[axis] : 0;
+    RSV_TRY(rsv_scene_finish(scene));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts, rsv_scene **scene)
 {
     rsv_scene *restored = NULL;
     rsv_status status;
     RSV_TRY(rsv_scene_create(context, &restored));
-    RSV_TRY(add_parts(restored, parts));
-    RSV_TRY(copy_arrays(restored, &parts->view));
-    RSV_TRY(check_triangles(restored));
-    RSV_TRY(check_colors(restored));
-    for (int axis = 0; axis < 3; axis++)
-        restored->origin[axis] = isfinite(parts->view.origin[axis]) ? parts->view.origin[axis] : 0;
-    RSV_TRY(rsv_scene_finish(restored));
+    RSV_TRY(add_materials(restored, parts));
+    RSV_TRY(rsv_scene_restore_rest(restored, &parts->view));
     *scene = restored;
     restored = NULL;
 cleanup:

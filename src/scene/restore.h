@@ -22,6 +22,9 @@ typedef struct rsv_scene_parts {
 /// that are not unit or point to the wrong side, and everything that the functions of scene.h refuse.
 rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts, rsv_scene **scene);
 
+/// Gives a scene that has its textures and materials everything else of a view, and finishes it. Errors as above.
+rsv_status rsv_scene_restore_rest(rsv_scene *scene, const rsv_scene_view *view);
+
 /// The fog of a committed scene, relative to the origin. RSV_ERROR_FORMAT for fog that rsv_scene_set_fog refuses, and
 /// for fog without a box.
 rsv_status rsv_scene_restore_fog(rsv_scene *scene, const rsv_fog *fog);

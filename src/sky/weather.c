@@ -132,16 +132,41 @@ static void tell_gaps(const rsv_weather_text *t)
             w->missing);
 }
 
+/// Hours of the year that no record covers, and those that records cover again.
+static rsv_status count_hours(rsv_weather_text *t)
+{
+    enum { days = 366, day_hours = 24 };
+    rsv_weather *w = t->weather;
+    double missing = 0, again = 0,
+           *covered = rsv_alloc(t->context, days * day_hours, sizeof *covered);
+    if (!covered) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < w->count; k++) {
+        const rsv_moment *m = &w->hour[k].moment; // all years have the days of a leap year here
+        int hour = (int)fmin(fmax(m->hour, 0), day_hours - 1);
+        covered[(rsv_day_of_year(2000, m->month, m->day) - 1) * day_hours + hour] +=
+            w->hour[k].hours;
+    }
+    int leap_day = (rsv_day_of_year(2000, 2, 29) - 1) * day_hours;
+    for (int k = 0; k < days * day_hours; k++) {
+        if (k >= leap_day && k < leap_day + day_hours && !w->leap) continue;
+        missing += fmax(1 - covered[k], 0);
+        again += fmax(covered[k] - 1, 0);
+    }
+    rsv_free(t->context, covered);
+    w->missing = (size_t)(missing + 0.5);
+    if (again >= 0.5)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: %.0f hours of the year occur more than once; all records count", t->path, again);
+    return RSV_OK;
+}
+
 static rsv_status finish(rsv_weather_text *t)
 {
     rsv_weather *w = t->weather;
-    double hours = 0, year = w->leap ? 8784 : 8760;
     if (w->count == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "%s: holds no records after its header", t->path);
-    for (size_t k = 0; k < w->count; k++)
-        hours += w->hour[k].hours;
-    w->missing = hours < year ? (size_t)(year - hours + 0.5) : 0;
-    rsv_status status = fill_gaps(t);
+    rsv_status status = count_hours(t);
+    if (status == RSV_OK) status = fill_gaps(t);
     if (status == RSV_OK) tell_gaps(t);
     return status;
 }

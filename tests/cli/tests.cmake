@@ -1,6 +1,6 @@
 # The program as its users meet it: one shell script per subject.
 if(TARGET resolvent_program)
-    foreach(subject usage animation files surroundings budget bad_input bake document gltf probe daylight photometry luminaire certify render solve update relight gpu view python scene cancel bench)
+    foreach(subject usage animation files surroundings budget bad_input bake document gltf probe daylight photometry luminaire certify render solve update relight gpu view edit python scene cancel bench)
         add_test(NAME cli_${subject} COMMAND bash
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
@@ -18,7 +18,7 @@ if(TARGET resolvent_program)
     set_tests_properties(cli_volume PROPERTIES LABELS slow ENVIRONMENT "${RSV_LEAKS}")
     set_tests_properties(cli_python cli_gltf PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
-    set_tests_properties(cli_animation cli_bake cli_bench cli_budget cli_certify cli_daylight cli_document cli_files cli_gltf cli_gpu cli_luminaire cli_photometry cli_relight cli_render cli_scene cli_solve cli_surroundings cli_update
+    set_tests_properties(cli_animation cli_bake cli_bench cli_budget cli_certify cli_daylight cli_document cli_edit cli_files cli_gltf cli_gpu cli_luminaire cli_photometry cli_relight cli_render cli_scene cli_solve cli_surroundings cli_update
         cli_view PROPERTIES LABELS slow)
     add_test(NAME cli_cluster COMMAND bash
         ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)

@@ -59,6 +59,35 @@ static void chains_add_up_to_the_picture(void **state)
     check_frames(world_builtin(2, "cornell-spheres"), 2, pixel_count / 200);
 }
 
+/// A plate before a sky of few, very different pixels.
+static world *plate_before_sky(rsv_vec3 seen)
+{
+    enum { columns = 7, rows = 5 };
+    static rsv_rgb pixel[rows * columns];
+    world *w = world_begin(2);
+    for (uint32_t k = 0; k < rows * columns; k++)
+        pixel[k] = rgb(rsv_unit_float(rsv_hash2(k, 1)), rsv_unit_float(rsv_hash2(k, 2)),
+            rsv_unit_float(rsv_hash2(k, 3)));
+    const rsv_environment environment = {
+        .pixels = pixel, .width = columns, .height = rows, .intensity = 1, .rotation = 77
+    };
+    world_quad(w, world_lambert(w, 0.5f, 0), v3(-0.2f, -0.1f, 0.9f), v3(0.1f, -0.1f, 0.9f),
+        v3(0.1f, 0.2f, 0.9f), v3(-0.2f, 0.2f, 0.9f));
+    assert_int_equal(rsv_scene_set_environment(w->scene, &environment), RSV_OK);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, 0, 0), seen, 1.8f, (float)width / height);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+static void the_sky_is_that_of_the_picture(void **state)
+{
+    (void)state;
+    const rsv_vec3 seen[] = { { 0, 0, 1 }, { 0.1f, 1, 0 }, { -1, -1, 0.2f }, { -1, 0, 0 } };
+    for (int k = 0; k < 4; k++)
+        check_frames(plate_before_sky(seen[k]), 1, 0);
+}
+
 /// Mirror, rough metal, coat, a back side, a sky, and a camera inside glass.
 static world *mixed_world(bool inside)
 {
@@ -813,6 +842,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(frames_add_up_to_the_picture),
+        cmocka_unit_test(the_sky_is_that_of_the_picture),
         cmocka_unit_test(layers_are_shown),
         cmocka_unit_test(all_instructions_give_the_same_bytes),
         cmocka_unit_test(each_eye_has_a_picture_of_its_own),

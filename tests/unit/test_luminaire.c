@@ -126,6 +126,22 @@ static void tilts_factor_straight_down_is_applied(void **state)
     rsv_luminaire_free(f->context, &l);
 }
 
+static void forms_of_the_same_file_are_read(void **state)
+{
+    file_fixture *f = *state;
+    static const char *const form[] = {
+        "TILT=NONE\r1 -1 1 2 1 1 1 1 0 0\r1 1 10\r0 90\r0\r100 100\r",
+        "IESNA:LM-63-2002\r\nTILT = none \r\n1,-1,1,2,1,1,1,1,0,0\r\n1 1 10 0 90 0 100 100",
+        "[TEST] x\nTILT=None\n1 -1 1 2\n1 1 1 1 0 0 1 1 10 0\n90 0 100\n100\n\x1a",
+    };
+    for (size_t k = 0; k < sizeof form / sizeof *form; k++) {
+        rsv_luminaire l;
+        assert_int_equal(read_as(f, form[k], &l), RSV_OK);
+        assert_near(rsv_luminaire_flux(&l), 200 * M_PI, 0.01);
+        rsv_luminaire_free(f->context, &l);
+    }
+}
+
 /// Types A and B, one half stated: latitudes and turns change places.
 static void floodlights_and_headlights_are_told_apart(void **state)
 {
@@ -189,6 +205,8 @@ int main(void)
             flux_is_exact_where_intensities_are_known, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             floodlights_and_headlights_are_told_apart, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(
+            forms_of_the_same_file_are_read, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             tilts_factor_straight_down_is_applied, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(bad_files_are_refused, file_set_up, file_tear_down),

@@ -226,6 +226,21 @@ static void epw_records_are_read(void **state)
     rsv_weather_free(f->context, &w);
 }
 
+/// An hour that occurs twice does not stand for one that is missing.
+static void repeated_hours_cover_one(void **state)
+{
+    file_fixture *f = *state;
+    rsv_weather w;
+    assert_int_equal(read_as(f,
+                         HEADER("41.98,-87.92,-6.0,201.0", "1") RECORD("1986,6,1,12,60",
+                             "700,600,150") RECORD("1986,6,1,12,60", "700,600,150"),
+                         &w),
+        RSV_OK);
+    assert_int_equal(w.count, 2);
+    assert_int_equal(w.missing, 8759);
+    rsv_weather_free(f->context, &w);
+}
+
 static void half_hours_and_leap_days_are_read(void **state)
 {
     file_fixture *f = *state;
@@ -431,6 +446,7 @@ int main(void)
         cmocka_unit_test(patches_take_their_share_of_directions),
         cmocka_unit_test(patch_luminances_give_the_wanted_illuminance),
         cmocka_unit_test_setup_teardown(epw_records_are_read, file_set_up, file_tear_down),
+        cmocka_unit_test_setup_teardown(repeated_hours_cover_one, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             half_hours_and_leap_days_are_read, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(gaps_are_filled, file_set_up, file_tear_down),

@@ -18,19 +18,26 @@ static const word words[] = {
     { "brighten", CLI_VIEW_BRIGHTEN, "n" },
     { "camera", CLI_VIEW_CAMERA, "t" },
     { "color", CLI_VIEW_COLOR, "nnn" },
+    { "delete", CLI_VIEW_DELETE, "" },
     { "dolly", CLI_VIEW_DOLLY, "n" },
     { "drag", CLI_VIEW_DRAG, "nn" },
+    { "duplicate", CLI_VIEW_DUPLICATE, "" },
     { "env-rotate", CLI_VIEW_ENV_ROTATE, "n" },
     { "expose", CLI_VIEW_EXPOSE, "n" },
     { "exposure", CLI_VIEW_EXPOSURE, "n" },
     { "fly", CLI_VIEW_FLY, "nnn" },
+    { "grasp", CLI_VIEW_GRASP, "nn" },
+    { "haul", CLI_VIEW_HAUL, "nn" },
+    { "hide", CLI_VIEW_HIDE, "" },
     { "intensity", CLI_VIEW_INTENSITY, "n" },
     { "layer", CLI_VIEW_LAYER, "t" },
     { "look", CLI_VIEW_LOOK, "nn" },
     { "mode", CLI_VIEW_MODE, "t" },
     { "move", CLI_VIEW_MOVE, "nnn" },
     { "nudge", CLI_VIEW_NUDGE, "nnn" },
+    { "object", CLI_VIEW_CHOOSE, "t" },
     { "orbit", CLI_VIEW_ORBIT, "nn" },
+    { "paint", CLI_VIEW_PAINT, "nnn" },
     { "panorama", CLI_VIEW_PANORAMA, "t" },
     { "pause", CLI_VIEW_PAUSE, "" },
     { "pick", CLI_VIEW_PICK, "nn" },
@@ -40,16 +47,22 @@ static const word words[] = {
     { "quit", CLI_VIEW_QUIT, "" },
     { "release", CLI_VIEW_RELEASE, "" },
     { "reset", CLI_VIEW_RESET, "" },
+    { "resize", CLI_VIEW_RESIZE, "n" },
+    { "save", CLI_VIEW_SAVE, "t" },
     { "screenshot", CLI_VIEW_SCREENSHOT, "t" },
     { "scrub", CLI_VIEW_SCRUB, "n" },
     { "select", CLI_VIEW_SELECT, "t" },
     { "separation", CLI_VIEW_SEPARATION, "n" },
+    { "shift", CLI_VIEW_SHIFT, "nnn" },
     { "show", CLI_VIEW_SHOW, "t" },
     { "speed", CLI_VIEW_SPEED, "n" },
+    { "spin", CLI_VIEW_SPIN, "n" },
     { "step", CLI_VIEW_STEP, "n" },
+    { "surface", CLI_VIEW_SURFACE, "nn" },
     { "tint", CLI_VIEW_TINT, "nnn" },
     { "tone", CLI_VIEW_TONE, "t" },
     { "turn", CLI_VIEW_TURN, "n" },
+    { "undo", CLI_VIEW_UNDO, "" },
 };
 
 static const word *find_word(const char *name)
@@ -127,8 +140,31 @@ bool cli_read_view_command(const char *line, cli_view_command *command, char *pr
     return read_arguments(known, line, command, problem);
 }
 
+bool cli_view_edits(cli_view_verb verb)
+{
+    switch (verb) {
+    case CLI_VIEW_DELETE:
+    case CLI_VIEW_DUPLICATE:
+    case CLI_VIEW_GRASP:
+    case CLI_VIEW_HAUL:
+    case CLI_VIEW_HIDE:
+    case CLI_VIEW_CHOOSE:
+    case CLI_VIEW_PAINT:
+    case CLI_VIEW_RESIZE:
+    case CLI_VIEW_SAVE:
+    case CLI_VIEW_SHIFT:
+    case CLI_VIEW_SPIN:
+    case CLI_VIEW_SURFACE:
+    case CLI_VIEW_UNDO:
+        return true;
+    default:
+        return false;
+    }
+}
+
 bool cli_view_needs_light(cli_view_verb verb)
 {
+    if (cli_view_edits(verb)) return true;
     switch (verb) {
     case CLI_VIEW_ADD:
     case CLI_VIEW_ALBEDO:

@@ -173,12 +173,14 @@ static void layer_text(const cli_view_state *state, char *text)
             layer + 1 == state->layer_count ? " and on" : "");
 }
 
-/// Where the animation is, and how far the light is behind it.
+/// Where the animation is, what is edited, and how far the light is behind it.
 static void write_moment(text_column *c, const cli_view_hud *hud, const cli_view_state *state)
 {
     char text[CLI_VIEW_TEXT_LENGTH];
+    if (!(state->length > 0) && !hud->object[0]) return;
     snprintf(text, sizeof text, "%.2f of %.2f s", state->time, state->length);
-    write_pair(c, state->plays ? "playing" : "paused", text, white);
+    if (state->length > 0) write_pair(c, state->plays ? "playing" : "paused", text, white);
+    if (hud->object[0]) write_pair(c, "object", hud->object, accent);
     double lag = hud->lag_ms > 0 ? hud->lag_ms + hud->mean.total_ms : 0;
     snprintf(text, sizeof text, lag > 0 ? "%.0f ms behind" : "at rest", lag);
     write_pair(c, "moving light", text, lag > 0 ? accent : white);
@@ -202,7 +204,7 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
     else
         snprintf(text, sizeof text, "exact");
     write_pair(c, "light", text, hud->mean.residual > 0 ? accent : white);
-    if (state->length > 0) write_moment(c, hud, state);
+    write_moment(c, hud, state);
     write_pair(c, "quality", hud->quality ? hud->quality : "", hud->making[0] ? accent : white);
     cli_draw_text(c->canvas, c->x, c->y, c->size, hud->making, accent);
     c->y += line_height(c->size);

@@ -14,6 +14,7 @@ typedef struct cli_view_hud {
     char message[CLI_VIEW_TEXT_LENGTH]; ///< "" = none
     uint32_t message_frames;            ///< that it has been shown for
     double lag_ms;                      ///< that the light is behind the animation
+    char object[CLI_VIEW_TEXT_LENGTH];  ///< selected for editing; "" = none
     const char *quality;                ///< of the light on show
     char reading[32];                   ///< under the mouse; "" = none
     char making[CLI_VIEW_TEXT_LENGTH];  ///< the light being computed; "" = none

@@ -14,7 +14,9 @@
 
 bool cli_show_begin(cli_view_show *s, const cli_refiner_desc *desc, uint32_t threads)
 {
-    *s = (cli_view_show){ .session = desc->session, .body = desc->body };
+    *s = (cli_view_show){
+        .session = desc->session, .body = desc->body, .keeps_pace = desc->keeps_pace
+    };
     rsv_status status = cli_sketch_create(desc->scene, threads, &s->sketch);
     if (status == RSV_OK && (s->refiner = cli_refiner_start(desc))) return true;
     rsv_light_destroy(desc->light);
@@ -103,6 +105,18 @@ rsv_status cli_show_follow(cli_view_show *s, cli_view_state *state, const rsv_sc
     if (status != RSV_OK && status != RSV_ERROR_UNSUPPORTED) return status;
     rsv_status made = begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;
     return status == RSV_OK ? made : status;
+}
+
+rsv_status cli_show_replace(cli_view_show *s, cli_view_state *state, rsv_light *light)
+{
+    const char *name = s->lit.name;
+    if (s->fade > 0) end_fade(s);
+    cli_free_lit(&s->lit);
+    s->lit = (cli_lit){ .name = name, .light = light, .follows = true };
+    rsv_status status = cli_view_frames_create(light, s->body, 0, &s->lit.frames);
+    if (status != RSV_OK) return status;
+    if (s->keeps_pace) cli_view_frames_keep_pace(s->lit.frames);
+    return begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 // ---- frames -------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ typedef struct cli_view_pose {
 typedef struct cli_view_show {
     cli_session *session;
     const rsv_scene *body;
+    bool keeps_pace;        ///< cli_view_frames_keep_pace
     cli_sketch *sketch;     ///< NULL once it is no longer needed
     cli_lit lit;            ///< displayed; frames NULL = the sketch is
     cli_lit before;         ///< fading out; frames NULL = the sketch is, or nothing
@@ -59,6 +60,10 @@ rsv_status cli_show_frame(
 /// Takes the light to a version of the scene in which surfaces have moved. From then on sources and materials cannot be
 /// changed. After an error other than RSV_ERROR_UNSUPPORTED nothing can be displayed any more.
 rsv_status cli_show_follow(cli_view_show *show, cli_view_state *state, const rsv_scene *scene);
+
+/// Shows the light of another scene instead, whose sources and materials cannot be changed.
+/// @param light taken over, even after an error: nothing can be displayed any more then
+rsv_status cli_show_replace(cli_view_show *show, cli_view_state *state, rsv_light *light);
 
 /// Whether another frame would look the same, or hardly any better until the next light is ready.
 bool cli_show_at_rest(const cli_view_show *show);

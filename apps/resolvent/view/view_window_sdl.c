@@ -135,7 +135,8 @@ static void press_button(const listener *l, const SDL_MouseButtonEvent *button)
     int width, height;
     SDL_GetWindowSize(l->window->window, &width, &height);
     if (button->button == SDL_BUTTON_LEFT && width > 0 && height > 0)
-        say(l, "pick", (float)button->x / (float)width, (float)button->y / (float)height);
+        say(l, SDL_GetModState() & KMOD_CTRL ? "grasp" : "pick", (float)button->x / (float)width,
+            (float)button->y / (float)height);
 }
 
 static void move_mouse(const listener *l, const SDL_MouseMotionEvent *motion)
@@ -144,7 +145,8 @@ static void move_mouse(const listener *l, const SDL_MouseMotionEvent *motion)
     SDL_GetWindowSize(l->window->window, &width, &height);
     if (width <= 0 || height <= 0) return;
     float x = (float)motion->xrel / (float)width, y = (float)motion->yrel / (float)height;
-    if (motion->state & SDL_BUTTON_LMASK) say(l, "drag", x, y);
+    if (motion->state & SDL_BUTTON_LMASK)
+        say(l, SDL_GetModState() & KMOD_CTRL ? "haul" : "drag", x, y);
     say(l, "point", (float)motion->x / (float)width, (float)motion->y / (float)height);
     if (motion->state & SDL_BUTTON_RMASK) say(l, "look", -60 * x, -40 * y);
 }
