@@ -37,7 +37,9 @@ static const char help[] =
     "                     use `place` in a script (docs/view.md)\n"
     "  --exposure STOPS   brighten by 2^STOPS at the start (default: automatic for files, and printed; 0\n"
     "                     for built-in scenes)\n"
-    "  --budget MS        milliseconds per frame for orders of light after a change (default 8)\n"
+    "  --budget MS        milliseconds per frame for the light after a change: for its orders, and for\n"
+    "                     following moving objects, those first that change the picture most; at least\n"
+    "                     one goes on in each frame (default 8). Not with --record\n"
     "  --script FILE      commands for given frames: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
     "  --frames N         close after N frames\n"
     "  --stats FILE.json  when each quality was first shown, and frame times\n"
@@ -142,7 +144,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 16384 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
-        { .name = "--budget", .kind = CLI_REAL, .value = &s->budget_ms, .max = 1e6 },
+        { .name = "--budget", .kind = CLI_REAL, .value = &s->budget_ms, .min = 0.01, .max = 1e6 },
         CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--frames",
@@ -198,6 +200,7 @@ static bool begin_state(viewer *v, const rsv_light *light)
     v->player = (cli_view_player){ .session = v->session,
         .path = v->settings->scene,
         .clip_name = v->settings->moment.clip,
+        .turns = { .budget_ms = v->settings->record ? 0 : (double)v->settings->budget_ms },
         .step = v->settings->record ? RECORDED_STEP : 0 };
     return true;
 }
@@ -528,6 +531,16 @@ static int compare_times(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/// How long the light took from frame to frame of an animation.
+static void add_steps(cJSON *root, const cli_turns *turns)
+{
+    if (!turns->steps) return;
+    cJSON_AddNumberToObject(root, "steps", turns->steps);
+    cJSON_AddNumberToObject(root, "mean_step_ms", turns->sum_ms / turns->steps);
+    cJSON_AddNumberToObject(root, "longest_step_ms", turns->longest_ms);
+    cJSON_AddNumberToObject(root, "late_steps", turns->late_frames);
+}
+
 /// Writes when each light appeared, in seconds since the start, and how long frames took.
 static bool write_stats(viewer *v)
 {
@@ -543,6 +556,7 @@ static bool write_stats(viewer *v)
     for (uint32_t k = 0; k < v->show.event_count; k++)
         cJSON_AddNumberToObject(processor, v->show.event[k].name, v->show.event[k].processor);
     cJSON_AddNumberToObject(root, "frames", (double)v->time_count);
+    add_steps(root, &v->player.turns);
     if (v->time_count > 0) {
         qsort(v->time_ms, v->time_count, sizeof *v->time_ms, compare_times);
         cJSON_AddNumberToObject(root, "median_ms", v->time_ms[v->time_count / 2]);

@@ -1,5 +1,6 @@
 /// @file edit.h
 /// Edited scenes: objects removed or repeated, and other materials. To move objects, see rsv_scene_move (scene.h).
+/// Scenes between two versions.
 ///
 ///     const uint32_t kept[] = { 0, 1, 3, 3 };            // without object 2, and with object 3 twice
 ///     rsv_scene_edit edit = rsv_default_scene_edit();
@@ -11,6 +12,8 @@
 #define RESOLVENT_EDIT_H
 
 #include "resolvent/scene.h"
+
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,6 +51,14 @@ static inline rsv_scene_edit rsv_default_scene_edit(void)
 /// @return RSV_ERROR_SCENE if nothing is left, RSV_ERROR_UNSUPPORTED for scenes with fog
 RSV_API rsv_status rsv_scene_apply_edit(
     const rsv_scene *scene, const rsv_scene_edit *edit, rsv_scene **result);
+
+/// Creates a version of a scene between two others: some objects are where they are in `late`, the rest where they are in
+/// `early`. Lights are those of `late`. For motions that a light follows object by object (rsv_light_follow), because
+/// all at once would take too long.
+/// @param late committed; must outlive the result @param early of the same surfaces; RSV_ERROR_ARGUMENT otherwise
+/// @param moved [object_count] whether the object is where it is in `late`
+RSV_API rsv_status rsv_scene_mix(
+    const rsv_scene *early, const rsv_scene *late, const bool *moved, rsv_scene **result);
 
 #ifdef __cplusplus
 }

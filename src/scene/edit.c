@@ -4,6 +4,8 @@
 #include "../core/descriptor.h"
 #include "moment.h"
 #include "restore.h"
+#include "scene.h"
+#include "variant.h"
 
 #include <string.h>
 
@@ -201,5 +203,51 @@ rsv_status rsv_scene_apply_edit(
 cleanup:
     release(&e);
     rsv_scene_destroy(edited);
+    return status;
+}
+
+// ---- versions in between --------------------------------------------------------------------------
+
+/// Puts vertices of objects back to where they were.
+static void put_back(const rsv_scene *early, const bool *moved, rsv_scene *mixed)
+{
+    for (size_t t = 0; t < early->triangle_count; t++)
+        for (int k = 0; k < 3 && !moved[early->triangle_object[t]]; k++) {
+            uint32_t vertex = early->triangle[t][k];
+            mixed->position[vertex] = early->position[vertex];
+            mixed->normal[vertex] = early->normal[vertex];
+            if (mixed->tangent)
+                memcpy(mixed->tangent[vertex], early->tangent[vertex], sizeof *mixed->tangent);
+        }
+}
+
+static bool is_same_shape(const rsv_scene *a, const rsv_scene *b)
+{
+    size_t bytes = a->triangle_count * sizeof *a->triangle;
+    return a->triangle_count == b->triangle_count && a->vertex_count == b->vertex_count &&
+           a->object_count == b->object_count && !a->tangent == !b->tangent &&
+           memcmp(a->triangle, b->triangle, bytes) == 0 &&
+           memcmp(a->triangle_object, b->triangle_object, a->triangle_count * sizeof(uint32_t)) ==
+               0;
+}
+
+rsv_status rsv_scene_mix(
+    const rsv_scene *early, const rsv_scene *late, const bool *moved, rsv_scene **result)
+{
+    rsv_status status;
+    rsv_scene *mixed = NULL;
+    RSV_TRY(rsv_scene_require_committed(early));
+    RSV_TRY(rsv_scene_require_committed(late));
+    if (!is_same_shape(early, late))
+        RSV_TRY(rsv_fail(RSV_ERROR_ARGUMENT, "scene: the two versions have different triangles"));
+    RSV_TRY(rsv_scene_vary(late, &mixed));
+    RSV_TRY(rsv_scene_vary_positions(mixed));
+    RSV_TRY(rsv_scene_vary_normals(mixed));
+    put_back(early, moved, mixed);
+    RSV_TRY(rsv_scene_update_bounds(mixed));
+    *result = mixed;
+    mixed = NULL;
+cleanup:
+    rsv_scene_destroy(mixed);
     return status;
 }

@@ -1,5 +1,5 @@
-"""Lets a node of a .glb slide: animate.py FROM TO NODE X Y Z moves it that far in one second, evenly, as the clip `slide`;
-a clip `fall` takes it down by as much."""
+"""Lets nodes of a .glb slide: animate.py FROM TO NAME X Y Z moves those with NAME in their names that far in one second,
+evenly, as the clip `slide`; a clip `fall` takes them down by as much."""
 import json
 import struct
 import sys
@@ -24,11 +24,11 @@ def add(values, kind):
     return len(scene["accessors"]) - 1
 
 
-node = [k for k, n in enumerate(scene["nodes"]) if name in n.get("name", "")][0]
+nodes = [k for k, n in enumerate(scene["nodes"]) if name in n.get("name", "")]
 time = add([0, 1], "SCALAR")
-channel = {"sampler": 0, "target": {"node": node, "path": "translation"}}
+channels = [{"sampler": 0, "target": {"node": node, "path": "translation"}} for node in nodes]
 scene["animations"] = [
-    {"name": clip, "channels": [channel], "samplers": [{"input": time, "output": add([0, 0, 0] + to, "VEC3")}]}
+    {"name": clip, "channels": channels, "samplers": [{"input": time, "output": add([0, 0, 0] + to, "VEC3")}]}
     for clip, to in (("slide", way), ("fall", [0, -abs(way[0]), 0]))]
 scene["buffers"][0]["byteLength"] = len(binary)
 text = json.dumps(scene).encode()

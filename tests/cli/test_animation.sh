@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Animated glTF files: what there is to play, pictures at a time, sequences.
+# Animated glTF files: lists of animations, pictures at given times, sequences.
 source "$(dirname "$0")/support.sh"
 quick=(--size 32x32 --spp 2 --quality draft --max-elements 1500)
 
@@ -19,7 +19,7 @@ succeeds render moving.glb -o end.exr "${quick[@]}" --time 7 --clip slide
 cmp -s rest.exr end.exr && complain "nothing moved"
 succeeds info moving.glb --time 1 --clip all
 
-# frames are those moments, whatever was kept of the one before, and the same for any number of threads
+# frames equal pictures of those moments, whatever is reused from the previous frame, for any number of threads
 succeeds render moving.glb -o frame-%02d.exr "${quick[@]}" --frames 0-2 --fps 2 --stats frames.json --threads 1
 grep -q '"frames":[[:space:]]*3' frames.json || complain "no number of frames in the statistics"
 grep -q '"kept_row_rays_of_all_frames":[[:space:]]*0,' frames.json && complain "no ray was kept"
@@ -55,7 +55,7 @@ refuses 1 "no animation 'rise'" relight rest.safetensors -o "$out/x%d.png" --fra
 refuses 2 'clip requires' relight rest.safetensors -o "$out/x.png" --clip slide
 refuses 1 'resolvent relight' render rest.safetensors -o "$out/x%d.png" --frames 0-1
 
-# in the view, which plays it, and goes to moments
+# in the view: playing, and jumping to a time
 printf '%s\n' '0 show hud' '0 show markers' '0 exposure 0' '1 play' '4 pause' '10 scrub 1' '30 screenshot played.exr' >play.txt
 view=(view moving.glb --quality draft --size 96x64 --script play.txt --frames 31)
 succeeds "${view[@]}" --record played --threads 2
@@ -66,6 +66,22 @@ done
 succeeds render moving.glb -o there.exr --size 96x64 --spp 16 --mode operator --quality draft --time 1
 succeeds compare there.exr played.exr
 says '^mean_ratio *\(1.0[01]\|0.9[89]\)'
+# within a budget, objects wait for their turn; in the end all is as without
+python3 "$here/animate.py" room.glb blocks.glb block 0 0 0.1 || complain "cannot animate"
+printf '%s\n' '0 show hud' '0 show markers' '1 scrub 0.5' '4 scrub 1' '70 screenshot late.exr' >scrub.txt
+view=(view blocks.glb --quality draft --max-elements 700 --size 48x32 --exposure 0 --script scrub.txt --frames 71)
+succeeds "${view[@]}" --record rest
+mv late.exr rest.exr
+if SDL_VIDEODRIVER=dummy "$program" "${view[@]}" --budget 0.01 --stats late.json >stdout 2>stderr; then
+    grep -q '"late_steps":[[:space:]]*[1-9]' late.json || complain "nothing waited: $(cat late.json)"
+    succeeds compare rest.exr late.exr
+    says '^mean_ratio *\(1.00\|0.99\)'
+    says '^median_relative_error *0.00'
+else
+    grep -q 'without SDL2' stderr || complain "the view failed: $(cat stderr)"
+fi
+refuses 2 "'0' is not a number from 0.01" view blocks.glb --budget 0
+
 printf '0 play\n' >play.txt
 refuses 1 'only glTF files are played' view cornell-blocks --quality draft --size 32x32 --script play.txt --record "$out/x"
 

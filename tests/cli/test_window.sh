@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The sample's window, by software on a display of its own: what it shows is our own picture.
+# The window of the sample, rendered in software on a virtual display: it shows the same picture as `render`.
 # usage: test_window.sh PROGRAM WINDOW
 source "$(dirname "$0")/support.sh"
 window=$2
@@ -24,7 +24,7 @@ succeeds compare ours.png shown.png
 says '^mean_ratio *\(0.9[89]\|1.0[01]\)'
 says '^relative_mse *[0-9.]*e-0[3-9]\|^relative_mse *0.00'
 
-# vertices with colours and cut-outs of their own beside the light, and a scene without a camera, framed as our own picture has
+# vertex colours and cut-outs of the file with baked light, and a scene without a camera, framed as in `render`
 # it. The lamp's border is a larger part of these darker pictures
 succeeds scene cornell-blocks -o plain.glb
 for box in colored framed; do

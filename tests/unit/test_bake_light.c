@@ -1,4 +1,4 @@
-/// Light in baked texels and vertices beside path tracing; noise and edges; borders of meshes that meet.
+/// Light in baked texels and vertices compared with path tracing; noise and edges; borders where meshes meet.
 #include "bake/bake_filter.h"
 #include "bake/bake_judge.h"
 #include "bake/bake_ktx2.h"
@@ -47,8 +47,9 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// Errors that noise of path tracing does not explain, relative to the light, or to a twentieth of the mean where it is darker;
-/// sorted. @return how many
+/// Errors that the noise of path tracing does not explain, relative to the light, or to a twentieth of the mean if that
+/// is larger; sorted.
+/// @return their number
 static size_t find_errors(const rsv_scene *scene, const values *v, uint32_t paths, float *error)
 {
     static rsv_probe_reading reading[MOST_PLACES];
@@ -82,9 +83,9 @@ static rsv_light *solve(const rsv_scene *scene, uint32_t rays)
     return light;
 }
 
-/// A floor below a bulb of hundreds of triangles, half of which a plate hides from some of it: elements are larger than the
-/// penumbra. Two boxes stand on the floor, of one-sided and of two-sided faces: light ends below them at once. Nearly all light is
-/// direct, so that errors are those of its estimate.
+/// A floor below a bulb of hundreds of triangles. A plate hides half of them from a part of the floor: elements are
+/// larger than the penumbra. Two boxes stand on the floor, one of one-sided and one of two-sided faces, so that light
+/// ends below them. Nearly all light is direct, so the errors are those of its estimate.
 static void add_shaded_bulb(world *w)
 {
     uint32_t dark = world_lambert(w, 0.02f, 0);
@@ -422,7 +423,7 @@ static size_t list_border(const rsv_scene_view *view, const char *object, float 
     return unique;
 }
 
-/// Rays from many views past the border, as close to it as pixels are, that meet neither surface.
+/// Rays from many viewpoints past the border, as close to it as pixels are. @return how many hit neither surface
 static size_t count_pinholes(const rsv_scene *scene, size_t rays)
 {
     rsv_tracer *tracer;
@@ -446,7 +447,8 @@ static void add_named_quad(world *w, const char *name, const rsv_vec3 corner[4],
     assert_int_equal(rsv_add_quad(shape, corner), RSV_OK);
 }
 
-/// A floor and a wall of two pieces that meet at its back edge, where the middle of the wall is no vertex of the floor.
+/// A floor and a wall of two pieces that meet at the back edge of the floor. The floor has no vertex in the middle of
+/// the wall.
 static void meshes_that_meet_have_the_same_vertices_there(void **state)
 {
     (void)state;

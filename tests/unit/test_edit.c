@@ -69,6 +69,32 @@ static void objects_go_and_come_bit_for_bit(void **state)
     rsv_scene_destroy(room);
 }
 
+/// One of two blocks goes on, the other one waits.
+static void versions_are_mixed(void **state)
+{
+    rsv_scene *room = open_room(((fixture *)*state)->context);
+    const rsv_motion up[2] = {
+        { 5, { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.1f, 0, 1 } },
+        { 6, { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.1f, 0, 1 } },
+    };
+    const bool moved[8] = { [5] = true };
+    const uint32_t few[] = { 0, 1 };
+    rsv_scene *late = NULL, *mixed = NULL, *other = NULL;
+    rsv_scene_edit edit = rsv_default_scene_edit();
+    edit.object = few;
+    edit.object_count = 2;
+    assert_int_equal(rsv_scene_move(room, up, 2, &late), RSV_OK);
+    assert_int_equal(rsv_scene_mix(room, late, moved, &mixed), RSV_OK);
+    assert_same_object(rsv_scene_get_view(late), 5, rsv_scene_get_view(mixed), 5);
+    assert_same_object(rsv_scene_get_view(room), 6, rsv_scene_get_view(mixed), 6);
+    rsv_scene_destroy(mixed);
+    other = apply(room, &edit);
+    assert_int_equal(rsv_scene_mix(other, late, moved, &mixed), RSV_ERROR_ARGUMENT);
+    rsv_scene_destroy(other);
+    rsv_scene_destroy(late);
+    rsv_scene_destroy(room);
+}
+
 static void assert_refused(
     const rsv_scene *room, rsv_scene_edit edit, rsv_status wanted, const char *why)
 {
@@ -129,6 +155,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         CASE(objects_go_and_come_bit_for_bit),
+        CASE(versions_are_mixed),
         CASE(bad_edits_are_refused),
         CASE(updates_reuse_what_stayed),
     };

@@ -2,6 +2,8 @@
 
 #include "../subject.h"
 
+#include "resolvent/edit.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -76,18 +78,42 @@ static void advance(cli_view_player *p, cli_view_state *state)
     if (state->length > 0) state->time -= state->length * floor(state->time / state->length);
 }
 
+/// On the way to the wanted version, as far as the budget goes. @param version out: the same, if it goes that far
+static rsv_status choose_version(
+    cli_view_player *p, const cli_view_state *state, rsv_scene *wanted, rsv_scene **version)
+{
+    *version = wanted;
+    if (!p->scene) return RSV_OK; // the first step computes everything
+    if (!cli_turns_take(
+            &p->turns, rsv_scene_get_view(p->scene), rsv_scene_get_view(wanted), &state->camera))
+        return RSV_ERROR_MEMORY;
+    if (!p->turns.waiting) return RSV_OK;
+    return rsv_scene_mix(p->scene, wanted, p->turns.moved, version);
+}
+
+static void take_version(cli_view_player *p, rsv_scene *version, rsv_scene *wanted)
+{
+    rsv_scene_destroy(p->scene);
+    rsv_scene_destroy(p->wanted);
+    p->scene = version;
+    p->wanted = version == wanted ? NULL : wanted;
+}
+
 static bool follow(cli_view_player *p, cli_view_show *show, cli_view_state *state, char *problem)
 {
-    rsv_scene *scene = NULL;
-    double time = state->time;
-    rsv_status status = rsv_animation_scene(p->animation, p->clip, time, &scene);
-    if (status == RSV_OK) status = cli_show_follow(show, state, scene);
+    rsv_scene *wanted = NULL, *version = NULL;
+    double time = state->time, start = cli_seconds();
+    bool first = !p->scene;
+    rsv_status status = rsv_animation_scene(p->animation, p->clip, time, &wanted);
+    if (status == RSV_OK) status = choose_version(p, state, wanted, &version);
+    if (status == RSV_OK) status = cli_show_follow(show, state, version);
     if (status != RSV_OK) {
-        rsv_scene_destroy(scene);
+        if (version != wanted) rsv_scene_destroy(version);
+        rsv_scene_destroy(wanted);
         return fail(state, problem, rsv_last_error());
     }
-    rsv_scene_destroy(p->scene);
-    p->scene = scene;
+    take_version(p, version, wanted);
+    if (!first) cli_turns_note(&p->turns, 1e3 * (cli_seconds() - start));
     p->followed = time;
     p->quiet_frames = 0;
     p->settled = false;
@@ -112,15 +138,16 @@ bool cli_view_play(
     if (!cli_show_is_complete(show)) return true; // not before the best light is there
     if (!open_animation(p, show, state, problem)) return false;
     advance(p, state);
-    bool moves = state->sought || (state->plays && (!p->scene || state->time != p->followed));
+    bool moves =
+        state->sought || p->wanted || (state->plays && (!p->scene || state->time != p->followed));
     state->sought = false;
     bool good = moves ? follow(p, show, state, problem) : settle(p, show, state, problem);
-    if (moves) *lag_ms = 1e3 * (cli_seconds() - start);
+    if (moves) *lag_ms = fmax(1e3 * (cli_seconds() - start), cli_turns_lag(&p->turns));
     return good;
 }
 
 void cli_view_player_end(cli_view_player *p)
 {
-    rsv_scene_destroy(p->scene);
-    p->scene = NULL;
+    take_version(p, NULL, NULL);
+    cli_turns_end(&p->turns);
 }

@@ -3,6 +3,7 @@
 #define CLI_VIEW_PLAYER_H
 
 #include "view_show.h"
+#include "view_turns.h"
 
 typedef struct cli_view_player {
     cli_session *session;
@@ -10,7 +11,9 @@ typedef struct cli_view_player {
     double step;                  ///< s from frame to frame; 0 = as the clock says
     rsv_animation *animation;     ///< the session's, borrowed; NULL = not looked at yet
     uint32_t clip;
+    cli_turns turns;       ///< of objects, within the budget
     rsv_scene *scene;      ///< that the light has followed to; NULL = none yet
+    rsv_scene *wanted;     ///< that `scene` is on the way to; NULL = it is there
     double followed;       ///< s into the animation that this is at
     double clock;          ///< cli_seconds() of the last frame
     uint32_t quiet_frames; ///< at the same moment
