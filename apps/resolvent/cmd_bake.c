@@ -187,10 +187,11 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 static void print_light_scale(double scale, bool photometric)
 {
     if (photometric)
-        printf("light scale %.4g cd/m2 from white: illuminance %.4g lux\n",
+        printf("light scale %.4g cd/m2: 1 in the file is an illuminance of %.4g lux\n",
             scale * CLI_LUMINOUS_EFFICACY, scale * CLI_LUMINOUS_EFFICACY * PI);
     else
-        printf("light scale %.4g W/(m2 sr) from white: irradiance %.4g W/m2\n", scale, scale * PI);
+        printf("light scale %.4g W/(m2 sr): 1 in the file is an irradiance of %.4g W/m2\n", scale,
+            scale * PI);
 }
 
 /// Prints figures of a bake; those that a target does not have are 0.
@@ -213,7 +214,8 @@ static void print_report(const char *target, const rsv_bake_report *r, bool phot
     if (r->saturated > 0)
         printf("clipped     %.3g %% of the %s are brighter than that%s\n", 100 * r->saturated,
             r->map_width ? "texels" : "vertices",
-            r->map_width ? "; OUT.lightmap.exr holds them all" : "; --light-scale keeps them");
+            r->map_width ? "; the .lightmap.exr is not clipped"
+                         : "; a larger --light-scale avoids this");
     if (r->judged)
         printf("error       median %.2g %%, 99th percentile %.2g %%: %zu %s, compared "
                "with estimates with a noise of %.2g %%\n",

@@ -68,6 +68,7 @@ typedef struct coefficient_job {
     const rsv_stored_noise *noise;
     const rsv_node_escapes *escapes;
     rsv_transport_map *map;
+    bool gray;                  ///< the operator treats all channels alike
     size_t first;               ///< sensor of the block
     rsv_importance importance;  ///< of the block's sensors
     rsv_patch_share *reflected; ///< [sensors of the block * patches.count]
@@ -112,7 +113,7 @@ static rsv_status find_block(coefficient_job *job, size_t first, size_t count)
     RSV_TRY(job->reflected ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_importance_create(d, count, &job->importance));
     rsv_parallel_for(d->context, count, 1, trace_sensors, job);
-    RSV_TRY(rsv_importance_solve(d, job->map, &job->importance));
+    RSV_TRY(rsv_importance_solve(d, job->map, job->gray, &job->importance));
     rsv_parallel_for(d->context, count, 1, complete_sensors, job);
     RSV_TRY(rsv_progress(d->context, "sky", 1));
 cleanup:
@@ -129,12 +130,14 @@ static rsv_status find_coefficients(rsv_daylight *d)
     rsv_status status;
     RSV_TRY(rsv_stored_noise_create(d->light, false, &noise));
     RSV_TRY(rsv_node_escapes_find(d, &escapes));
-    RSV_TRY(rsv_operator_map(d->light->op, RSV_SENSOR_BLOCK, &job.map));
+    job.gray = rsv_importance_is_gray(d);
+    size_t block = job.gray ? RSV_SENSOR_BLOCK : RSV_SENSOR_FIELDS;
+    RSV_TRY(rsv_operator_map(d->light->op, block, &job.map));
     RSV_TRY(rsv_transport_map_transpose(job.map));
-    for (size_t first = 0; first < d->sensor_count; first += RSV_SENSOR_BLOCK) {
+    for (size_t first = 0; first < d->sensor_count; first += block) {
         size_t left = d->sensor_count - first;
-        rsv_progress_part(d->context, "sensors", (uint32_t)(first / RSV_SENSOR_BLOCK + 1));
-        RSV_TRY(find_block(&job, first, left < RSV_SENSOR_BLOCK ? left : RSV_SENSOR_BLOCK));
+        rsv_progress_part(d->context, "sensors", (uint32_t)(first / block + 1));
+        RSV_TRY(find_block(&job, first, left < block ? left : block));
     }
 cleanup:
     rsv_progress_part(d->context, NULL, 0);

@@ -42,10 +42,24 @@ typedef struct selection {
     size_t number; ///< of the only source that is meant; SIZE_MAX = those of the name
 } selection;
 
+/// Whether an earlier source has the same name, and the same node.
+static bool is_repeated(const rsv_light_settings_home *home, size_t k)
+{
+    const rsv_source *source = &home->source[k];
+    for (size_t j = 0; j < k; j++) {
+        const char *node = home->source[j].node;
+        bool same_node =
+            node && source->node ? strcmp(node, source->node) == 0 : node == source->node;
+        if (same_node && strcmp(home->source[j].name, source->name) == 0) return true;
+    }
+    return false;
+}
+
 static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const selection *s)
 {
     char known[512] = "";
     for (size_t k = 0; k < home->source_count; k++) {
+        if (is_repeated(home, k)) continue;
         const rsv_source *source = &home->source[k];
         bool placed = source->node && strcmp(source->node, source->name) != 0;
         size_t used = strlen(known);

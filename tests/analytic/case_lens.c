@@ -6,7 +6,8 @@
 
 #define BEAM_RAYS 200000
 #define REFLECTIONS 8
-/// Stands for a point: clear of the folds, and many rays wide.
+/// Radius of a disk that is small enough to represent a point, and wide enough for many rays. It does not touch the
+/// folds.
 #define POINT_RADIUS 0.01
 
 /// @param cosine of incidence @param ior of the far side, relative; no total reflection

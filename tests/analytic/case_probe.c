@@ -32,7 +32,7 @@ static case_reading affine(case_reading reading, double offset, double weight)
     return (case_reading){ offset + weight * reading.value, weight * reading.standard_error };
 }
 
-/// Of the pilot run (0) or the one that counts (1).
+/// @param run 0 = the pilot run, 1 = the run that counts
 static uint32_t run_seed(const case_bench *bench, uint32_t run)
 {
     return 1 + run + 2 * bench->opinion;

@@ -1,4 +1,4 @@
-/// Skies of tests/validation/cases.json that are known by formula, as pictures fine enough to stand in for them.
+/// Skies of tests/validation/cases.json that are given by a formula, as pictures with enough pixels to represent them.
 #ifndef CASE_SKY_H
 #define CASE_SKY_H
 

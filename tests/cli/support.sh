@@ -1,7 +1,7 @@
 # What the tests of the program share. Each test is called with the program's path and sources this.
 #
 # After `run`: $status, and the files $work/stdout and $work/stderr. Outputs belong in $out, which
-# `refuses` wants empty. A failed check is counted and said, and the test goes on.
+# `refuses` wants empty. A failed check is printed and counted, and the test continues.
 set -uo pipefail
 
 program=$1
@@ -35,10 +35,10 @@ succeeds() {
     ((status == 0)) || complain "exit status $status, not 0: $*"
 }
 
-# What is left of standard error without warnings, notes and progress.
+# Standard error without warnings, notes and progress.
 error_lines() { grep -v -e '^warning: ' -e '^note: ' -e '^[a-z0-9 :]*: [0-9]* %' stderr; }
 
-# refuses STATUS PATTERN ARGUMENT...: that exit status, one line that says why, nothing written
+# refuses STATUS PATTERN ARGUMENT...: exits with STATUS, prints one line that matches PATTERN, and writes no file
 refuses() {
     local expected=$1 pattern=$2
     shift 2
@@ -51,10 +51,10 @@ refuses() {
     rm -f "$out"/*
 }
 
-# says PATTERN: the last run's standard output
+# says PATTERN: the standard output of the last run matches
 says() { grep -q -e "$1" stdout || complain "standard output lacks '$1'"; }
 
-# warns PATTERN: the last run's standard error
+# warns PATTERN: the standard error of the last run matches
 warns() { grep -q -i -e "$1" stderr || complain "standard error lacks '$1'"; }
 
 # Pictures small enough for a test.

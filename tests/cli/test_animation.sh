@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Animated glTF files: what there is to play, pictures at a time, sequences.
+# Animated glTF files: lists of animations, pictures at given times, sequences.
 source "$(dirname "$0")/support.sh"
 quick=(--size 32x32 --spp 2 --quality draft --max-elements 1500)
 
@@ -19,7 +19,7 @@ succeeds render moving.glb -o end.exr "${quick[@]}" --time 7 --clip slide
 cmp -s rest.exr end.exr && complain "nothing moved"
 succeeds info moving.glb --time 1 --clip all
 
-# frames are those moments, whatever was kept of the one before, and the same for any number of threads
+# frames equal pictures of those moments, whatever is reused from the previous frame, for any number of threads
 succeeds render moving.glb -o frame-%02d.exr "${quick[@]}" --frames 0-2 --fps 2 --stats frames.json --threads 1
 grep -q '"frames":[[:space:]]*3' frames.json || complain "no number of frames in the statistics"
 grep -q '"kept_row_rays_of_all_frames":[[:space:]]*0,' frames.json && complain "no ray was kept"
@@ -55,7 +55,7 @@ refuses 1 "no animation 'rise'" relight rest.safetensors -o "$out/x%d.png" --fra
 refuses 2 'clip requires' relight rest.safetensors -o "$out/x.png" --clip slide
 refuses 1 'resolvent relight' render rest.safetensors -o "$out/x%d.png" --frames 0-1
 
-# in the view, which plays it, and goes to moments
+# in the view: playing, and jumping to a time
 printf '%s\n' '0 show hud' '0 show markers' '0 exposure 0' '1 play' '4 pause' '10 scrub 1' '30 screenshot played.exr' >play.txt
 view=(view moving.glb --quality draft --size 96x64 --script play.txt --frames 31)
 succeeds "${view[@]}" --record played --threads 2

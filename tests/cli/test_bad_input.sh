@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whatever is wrong with a file is one clear line and exit status 1, and leaves nothing behind.
+# Every faulty file gives one clear line and exit status 1, and leaves no file behind.
 source "$(dirname "$0")/support.sh"
 
 picture=(-o "$out/a.png" "${small[@]}")
@@ -110,7 +110,7 @@ refuses 1 'regular file' info pipe.obj
 echo hello >hello.txt
 refuses 1 'hello.txt.*\.obj' info hello.txt
 
-# -- poor but usable: a picture, and a warning that says what it lacks
+# -- poor but usable files: a picture, and a warning about what is missing
 
 gltf $triangle >dark.gltf
 succeeds render dark.gltf "${picture[@]}"

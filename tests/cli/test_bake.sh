@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Baked files: what they show is what `render` shows, and what was in the file stays in it.
+# Baked files: they show what `render` shows, and keep everything else of the original file.
 source "$(dirname "$0")/support.sh"
 
 number() { sed -n "s/^[[:space:]]*\"$2\":[[:space:]]*\([^,]*\),\{0,1\}\$/\1/p" "$1" | head -n 1; }
@@ -55,7 +55,7 @@ assert before["asset"]["version"] == after["asset"]["version"]
 assert after["buffers"][0]["name"] == "all" and "uri" not in after["buffers"][0]
 TEXT
 rm -f "$out"/*
-# what a file says of itself stays with its probes
+# the metadata of the file is copied to its probes
 succeeds bake kept.gltf -o kept.json --to probes --quality draft --max-elements 300 --spacing 1
 python3 - <<'TEXT' || complain "probes lost the metadata of the file"
 import json
@@ -64,7 +64,7 @@ assert after["asset"] == before["asset"]
 assert after["KHR_xmp_json_ld"] == before["extensions"]["KHR_xmp_json_ld"]
 TEXT
 
-# colours that vertices had stay beside the light, alpha too; what carries light is marked, what keeps its own colours is not
+# original vertex colours are kept, with alpha. Primitives with baked light are marked; those with their own colours are not
 python3 "$here/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"
 succeeds bake colored.glb -o colors.glb --to vertex --quality draft --max-elements 300
 python3 - "$here" <<'TEXT' || complain "colours of vertices, or marks of what is lit, are lost"
@@ -93,7 +93,7 @@ for mesh in g["meshes"]:
         assert all(abs(x - y) < 0.003 for x, y in zip(a_color, had)), (a_color, had)
         assert light[3] == a_color[3] and all(x <= y for x, y in zip(light, a_color))
 TEXT
-# baked as metal the next time, what was lit is marked no longer
+# when a primitive is metal in the next bake, its mark is removed
 python3 - <<'TEXT' || complain "the floor cannot become metal"
 import json, struct
 raw = open("colors.glb", "rb").read()
@@ -147,7 +147,7 @@ def mean(path):
 plain, turned = mean("box.glb"), mean("turned.glb")
 assert 0.8 * plain < turned < 1.25 * plain, (plain, turned)
 TEXT
-# a lightmap: irradiance in a texture and beside it, by texture coordinates that were not there before
+# a lightmap: irradiance in a texture and in a separate file, with generated texture coordinates
 succeeds bake two-rooms -o map.glb --to lightmap --quality draft --max-elements 800 --map-size 256 --basis --operator --directional --stats map.json
 for axis in x y z; do
     [[ -s map.lightmap-$axis.exr ]] || complain "map.lightmap-$axis.exr is missing"
@@ -171,7 +171,7 @@ TEXT
 succeeds info map.operator.safetensors
 refuses 2 'operator requires --to vertex' bake two-rooms -o "$out/a.json" --to probes --operator
 refuses 2 'require --to vertex or lightmap' bake two-rooms -o "$out/a.json" --to probes --light-scale 2
-# what is clipped is said; shared exponents hold it
+# clipping is reported; the texture with shared exponents is not clipped
 succeeds bake plain.glb -o "$out/clipped.glb" --to lightmap --quality draft --max-elements 300 --map-size 64 --light-scale 0.01 --ktx2
 says '^light scale 0.01 W'
 says '^clipped     [1-9].* of the texels'
@@ -189,7 +189,7 @@ assert max((c & 511) * 2.0 ** ((c >> 27) - 24) for c in code) > 0.02 * 3.14159
 TEXT
 # in lux: 683 times as much, in a document that stays as it is
 succeeds bake plain.glb -o "$out/lux.glb" --to lightmap --quality draft --max-elements 300 --map-size 64 --light-scale 0.01 --photometric
-says '^light scale 6.83 cd/m2 from white: illuminance 21.46 lux'
+says '^light scale 6.83 cd/m2: 1 in the file is an illuminance of 21.46 lux'
 cmp -s "$out/lux.glb" "$out/clipped.glb" || complain "lux are in the document"
 succeeds compare "$out/lux.lightmap.exr" "$out/clipped.lightmap.exr" --json
 awk -v r="$(number stdout mean_ratio)" 'BEGIN { exit !(683 * r > 0.9999 && 683 * r < 1.0001) }' || complain "the map is not in lux"
@@ -219,7 +219,7 @@ succeeds compare map.lightmap.exr map.png --json
 ratio=$(number stdout mean_ratio)
 awk -v r="$ratio" -v i="$(cat intensity)" 'BEGIN { exit !(r * i > 0.97 && r * i < 1.01) }' ||
     complain "decoded codes are $ratio of the map, at an intensity of $(cat intensity)"
-# baked once more, its second texture coordinates are kept; what cannot hold light is reported, and made anew
+# baked again, its second texture coordinates are kept; invalid ones are reported and replaced
 succeeds bake map.glb -o again.glb --to lightmap --quality draft --map-size 256 --dry-run
 ! grep -q 'new ones are made' stderr || complain "texture coordinates of our own are refused"
 python3 - <<'TEXT' || complain "the texture coordinates cannot be spoilt"
@@ -339,7 +339,7 @@ run bake two-rooms -o "$out/x.glb" --to lightmap --quality draft --map-size 16
 ((status == 1)) || complain "51 charts fit into 16 x 16 texels"
 warns 'do not fit'
 [[ -z $(ls -A "$out") ]] || complain "a map that does not fit was written"
-# probes in a furnace: radiance is the same from everywhere, and what `probe` reads is pi times it
+# probes in a furnace: radiance is the same in all directions, and `probe` reads pi times that
 succeeds bake furnace -o probes.json --to probes --spacing 0.25 --quality draft
 says '^probes      4 x 4 x 4, 64 valid'
 printf 'x,y,z,nx,ny,nz\n0.4,0.5,0.6,0,0,1\n' >points.csv
@@ -357,7 +357,7 @@ for probe in range(count):
     assert abs(mean - irradiance) < 0.02 * irradiance, (mean, irradiance)
     assert all(abs(sh[27 * probe + k]) < 0.05 * irradiance for k in range(3, 27))
 TEXT
-# what each light does to probes adds up to what was baked, although each draws numbers of its own
+# the contributions of the lights to probes add up to the baked light, although each uses its own random numbers
 refuses 1 'no environment to write' bake cornell-blocks -o "$out/a.json" --to probes --sky
 succeeds bake cornell-blocks -o parts.json --to probes --basis --env sky --env-rotate 90 --sky --spacing 0.3 --quality draft --max-elements 500
 python3 - <<'TEXT' || complain "the parts of probes do not add up to what was baked"
@@ -393,7 +393,7 @@ for scene in blocks.glb double.gltf; do
 done
 cmp -s blocks.count double.count ||
     complain "as double-sided blocks there are $(cat double.count), as others $(cat blocks.count)"
-# what the user gave is never written over
+# input files are never overwritten
 cp kept.bin kept.before
 succeeds bake kept.gltf -o kept.json --to probes --spacing 1 --quality draft --max-elements 300
 cmp -s kept.bin kept.before ||
@@ -421,7 +421,7 @@ grep -qa KHR_draco unpacked.glb && complain "a packed mesh stayed packed"
 succeeds render unpacked.glb -o unpacked.png --size 16x16 --quality draft
 refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex
 
-# a scene that is no glTF file leaves nothing of the file in between, however the program ends
+# for a scene that is not a glTF file, the temporary glTF file is removed, however the program ends
 mkdir killed
 printf '%s\n' 'mtllib a.mtl' 'usemtl m' 'v 0 0 0' 'v 2 0 0' 'v 2 0 2' 'v 0 0 2' 'f 1 4 3 2' >killed/a.obj
 printf '%s\n' 'newmtl m' 'Kd .5 .5 .5' >killed/a.mtl

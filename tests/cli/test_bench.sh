@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Benchmarks: what they print, the table and the plot. How fast the machine is, is no test's business.
+# Benchmarks: their output, table and plot. No test depends on the speed of the machine.
 source "$(dirname "$0")/support.sh"
 
 succeeds bench assemble --repeat 1 --quality draft
@@ -31,7 +31,7 @@ says ' 0 allocations'
 grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"
 grep -q '</svg>' fps.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf fps.svg fps.csv || complain "the bars hold what is no number"
-# an operator file, as it is, and a scene without a camera, from inside; the numbers that others read
+# an operator file as it is, a scene without a camera from inside, and the JSON fields that other programs read
 succeeds solve two-rooms --quality draft -o rooms.safetensors
 succeeds bench fps rooms.safetensors --frames 3 --size 64x36 --json
 for key in median_ms worst_ms bare_ms stages_ms; do

@@ -14,7 +14,7 @@ cmake --install "$1" --component bundle --prefix "$work/bundle" >/dev/null || co
 mv "$work/bundle" "$work/elsewhere"
 cd "$work/elsewhere" || exit 1
 
-# what the loader finds, but for the C library, the loader itself and what the kernel brings
+# shared libraries that the loader finds, except the C library, the loader itself and those of the kernel
 for file in bin/* lib/libresolvent_*.so; do
     env -i ldd "$file" | grep -v -e 'linux-vdso' -e 'ld-linux' -e '/lib\(c\|m\|dl\|rt\|pthread\|resolv\)\.so' >needed
     [[ $file != bin/* ]] || ! grep -v "$PWD" needed || complain "$file needs what is not in the bundle"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An interrupted run stops soon, says so in one line, and leaves nothing.
+# An interrupted run stops soon, reports it in one line, and leaves no file.
 source "$(dirname "$0")/support.sh"
 
 # listens PROCESS: whether it catches interrupts yet. Until then one would be lost, for a shell's background processes
@@ -17,8 +17,8 @@ used() {
     echo $((${fields[11]:-0} + ${fields[12]:-0}))
 }
 
-# cancels SIGNAL ARGUMENT...: long work, stopped half a second after it began. Processors are shared with whatever else runs:
-# what it still takes of them counts, and not the time
+# cancels SIGNAL ARGUMENT...: stops long work half a second after its start. CPU time is limited instead of wall time,
+# because other work shares the CPU
 cancels() {
     local signal=$1 process tries before after
     shift

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Certificates: what is printed and written, the same for any number of threads, and refusals.
+# Certificates: output and files, identical for any number of threads, and refusals.
 source "$(dirname "$0")/support.sh"
 
 for threads in 1 2; do

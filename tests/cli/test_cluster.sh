@@ -77,7 +77,7 @@ begin() {
     launcher=$!
     until [[ -n $(find rows -name '*.rows' -size +0 2>/dev/null) ]]; do sleep 0.02; done
 }
-# ends: what began fails soon, and leaves no file
+# failures: the run fails soon, and leaves no file
 ends() {
     SECONDS=0
     wait $launcher && complain "the run went on without one of its processes"
@@ -87,7 +87,7 @@ ends() {
 # seconds of work after the first rows: on a busy machine, too, it is not done before it is killed
 long=(solve cornell-blocks -o killed.safetensors --quality medium --threads 1 --checkpoint rows)
 
-# A killed process ends the run; another number of processes goes on with its rows
+# A killed process ends the run; a run with another number of processes continues with its rows
 begin "$program" "${long[@]}"
 kill -9 "$(pgrep -P $launcher | tail -n 1)"
 ends
@@ -101,7 +101,7 @@ for count in 1 3; do
     cmp -s anew.safetensors resumed.safetensors || complain "other bytes after a restart by $count"
 done
 
-# A disk that is full for one of them ends all, without waiting for the others' work
+# A full disk of one process ends all of them, without waiting for the others' work
 rm -r rows
 SECONDS=0 status=0
 mpirun --oversubscribe --mca mpi_yield_when_idle 1 --mca btl tcp,self -n 1 "$program" "${long[@]}" : \
@@ -124,7 +124,7 @@ ends
     { cp all stderr; complain "not said once how to go on"; }
 [[ -n $(find rows -name '*.rows' -size +0) ]] || complain "an interrupt takes the rows away"
 
-# PETSc: the solution does not depend on the processes, nor on how the matrix is kept
+# PETSc: the solution depends neither on the number of processes nor on the storage of the matrix
 # petsc COUNT SCENE OUTPUT PETSC-OPTIONS ARGUMENT...
 petsc() { thrive "$1" solve "$2" -o "$3" "${@:5}" --quality draft --threads 1 --petsc "-ksp_rtol 1e-8 $4"; }
 # agrees WHAT: the last two of them
@@ -189,7 +189,7 @@ differ 'its operator file differs from that of process 0' "$program" relight box
     "$program" relight one.safetensors -o "$out/a.png"
 [[ -z $(ls -A "$out") ]] || complain "failures left files"
 
-# A frame that cannot be written ends the sequence, not only the frames of its process
+# A frame that cannot be written ends the whole sequence, not only the frames of its process
 mkdir lost-1.exr
 printf '0 light.light=1\n400 light.light=0.5\n' >long.txt
 together 2 relight one.safetensors --script long.txt --size 16x12 --spp 1 --threads 1 -o lost-%d.exr

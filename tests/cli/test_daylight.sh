@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A year of weather at sensors: reports in three forms, hours, and what is wrong with files.
+# A year of weather at sensors: reports in three formats, hourly values, and errors in files.
 source "$(dirname "$0")/support.sh"
 
 # weather RECORDS...: an EPW file on standard output

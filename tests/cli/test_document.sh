@@ -6,7 +6,7 @@ number() { sed -n "s/^[[:space:]]*\"$2\":[[:space:]]*\([^,]*\),\{0,1\}\$/\1/p" "
 few=(--quality draft --max-elements 300)
 change() { python3 "$here/change_document.py" "$@" || complain "the document cannot be changed: $*"; }
 
-# a file with buffers and pictures beside it, lights that share a name or a description, and a lamp that is one of two primitives
+# a file with separate buffers and images, lights that share a name or a definition, and a lamp that is one of two primitives
 succeeds scene cornell-blocks -o plain.glb
 python3 - <<'TEXT' || complain "the test file cannot be made"
 import json, os, struct, zlib
@@ -59,7 +59,7 @@ refuses 1 'no rows to save' bake box.safetensors -o "$out/x.glb" --to vertex --c
 refuses 1 'its own environment' bake box.safetensors -o "$out/x.glb" --to vertex --env white
 refuses 1 'would overwrite' bake box.safetensors -o scene.glb --to vertex --stats box.safetensors
 
-# relit: what is baked shows the light, colours and places as they are then; solved anew, it is the same scene
+# relit: the bake shows the new light, colours and positions; solving the baked file again gives the same scene
 succeeds relight box.safetensors --light light=0.5,1,0.8,0.6 --albedo green=0.2,0.3,0.8 --move light=0.2,-0.05,0.1 \
     --light first=0.5 --move second=0.05,-0.1,0 --light torch=2,1,0.5,0.5 --add lantern=-0.2,0.3,0.1,0.05 -o relit.safetensors \
     -o relit.png --mode operator --size 64x64 --exposure 0
@@ -129,7 +129,7 @@ json.dump(g, open("heat.gltf", "w"))
 TEXT
 refuses 1 'holds 1 values for' bake heat.gltf -o "$out/x.glb" --to lightmap --map-size 64 "${few[@]}"
 
-# documents that are damaged, or another scene's
+# documents that are damaged, or belong to another scene
 succeeds solve plain.glb -o plain.safetensors "${few[@]}"
 for case in 'cut:cut off' 'text:damaged' 'no-buffers:damaged' 'cycle:two parents\|reached twice' 'odd-mesh:does not exist' 'rename:another scene' \
     'far-triangle:another scene' 'far-instance:another scene' 'twice:another scene' 'half:is missing' 'far-view:.'; do

@@ -100,7 +100,7 @@ refuses 1 '--fstop is not supported' render cornell-blocks -o "$out/a.png" --fst
 refuses 1 'pinhole' render cornell-blocks -o "$out/a.png" --fstop 2 --mode occlusion
 refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -o "$out/a.png" --projection flat
 
-# ---- what a file holds, and what is wrong with it ----
+# ---- contents of files, and errors in them ----
 succeeds info back.gltf --check
 says 'likely mistakes: 2'
 says "there is no light"

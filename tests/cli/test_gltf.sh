@@ -3,7 +3,7 @@
 source "$(dirname "$0")/support.sh"
 command -v python3 >/dev/null || { echo "skipped: python3 is not installed"; exit 77; }
 
-# close A B: the same picture but for roundings
+# close A B: the same picture, apart from rounding
 close() {
     succeeds compare "$1" "$2"
     awk '/^rmse/ { exit !($2 < 1e-4) }' stdout || complain "$1 and $2 differ by $(head -n 1 stdout)"
@@ -21,7 +21,7 @@ python3 "$here/make_gltf.py" near.gltf
 python3 "$here/make_gltf.py" km22.gltf 22000 0 0
 python3 "$here/make_gltf.py" far.gltf "${far[@]}"
 
-# -- what is there
+# -- supported features
 
 succeeds info far.gltf
 says 'bounds: (448260.5 51 5411929.75) to (448264.5 54 5411934.75) m'

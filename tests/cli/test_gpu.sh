@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# --device: what a GPU does, by the device that the processor emulates; and what is said where there is none.
+# --device: GPU results, with the GPU emulated on the CPU, and messages where there is none.
 source "$(dirname "$0")/support.sh"
 export CUDA_VISIBLE_DEVICES=
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs killed at random moments leave no half-written file, and the next one ends with the same bytes.
+# Runs killed at random moments leave no incomplete file, and the next run ends with the same bytes.
 # test_kill.sh PROGRAM [KILLS [SEED]]
 source "$(dirname "$0")/support.sh"
 kills=${2:-8}
@@ -57,7 +57,7 @@ wait $! && complain "an interrupted run succeeds"
 refuses 1 "holds no rows of this scene" solve furnace "${quick[@]}" -o "$out/a.safetensors" --checkpoint rows --resume
 refuses 2 'checkpoint' "${bake[@]}" -o "$out/a.glb" --resume
 
-# A full disk ends the run; with room, the same command goes on with the rows before
+# A full disk ends the run; once there is room, the same command continues with the rows that were saved
 full=(bake cornell-blocks --to vertex "${quick[@]}" --max-elements 1000 --checkpoint full)
 (
     ulimit -f 400

@@ -11,7 +11,7 @@ print(0)
 print(*["%.6f" % (683 * cos(radians(k))) for k in range(91)])
 PYTHON
 mkdir -p profiles && cp lamp.ies profiles/lamp.ies
-# A floor, an empty node that hangs at 2 m, a point light at 2 m beside it, and a luminaire of the extension that looks down.
+# A floor, an empty node 2 m above it, a point light next to that, and a luminaire of the extension that points down.
 python3 - <<'PYTHON'
 import json, struct
 from base64 import b64encode
@@ -37,7 +37,7 @@ json.dump(scene, open("torn.gltf", "w"))
 PYTHON
 printf '0,0,0,0,1,0\n' >below.csv
 draft=(--quality draft --threads 2)
-# lux_of EXPECTED ARGUMENTS... : what a point 2 m below reads
+# lux_of EXPECTED ARGUMENTS... : the reading 2 m below
 lux_of() {
     local expected=$1
     shift
@@ -68,7 +68,7 @@ done
 lux_of 512.2 room-baked.glb --quality draft
 lux_of 85.4 half-baked.glb --quality draft
 lux_of 241.5 aimed-baked.glb --quality draft
-# half of what two lamps give straight below, and more than they can
+# half of what two luminaires give straight below, and more than they can give
 printf 'x,y,z,nx,ny,nz,lux\n0,0.5,0,0,1,0,455.3\n0.5,0.5,0.5,0,1,0,300\n' >wanted.csv
 succeeds fit room.safetensors --wanted wanted.csv -o factors.csv --readings readings.csv --relit fitted.safetensors --threads 2
 says 'KKT residual'

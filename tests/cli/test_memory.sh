@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Memory that runs out anywhere in the program, in the libraries that it uses too: an error in one line, or it goes on.
+# Out of memory anywhere in the program, or in the libraries it uses: one line of error, or the program continues.
 # RSV_FAULTS=1 in the environment tries every call of malloc, and not one in so many.
 # usage: test_memory.sh PROGRAM FAILING_MALLOC
 source "$(dirname "$0")/support.sh"

@@ -26,7 +26,7 @@ dead=$(python3 "$source/tests/links.py" "$prefix"/share/doc/resolvent/{,docs/,do
 [[ -z $dead ]] || { echo "$dead" && false; }
 [[ -s $prefix/share/doc/resolvent/docs/figures/cornell-spheres.png ]]
 
-# what bash offers
+# completion in bash
 COMP_WORDS=("$prefix/bin/resolvent" rend) COMP_CWORD=1
 source "$prefix/share/bash-completion/completions/resolvent"
 _resolvent
@@ -41,7 +41,7 @@ COMP_WORDS=("$prefix/bin/resolvent" render cornell-pl) COMP_CWORD=2
 _resolvent
 [[ ${COMPREPLY[*]} == cornell-plaster ]]
 
-# what fish and zsh offer, where they are installed
+# completion in fish and zsh, where they are installed
 if command -v fish >/dev/null; then
     [[ -s $prefix/share/fish/vendor_completions.d/resolvent.fish ]]
     offered=$(PATH=$prefix/bin:$PATH fish -N -c "source $prefix/share/fish/vendor_completions.d/resolvent.fish
@@ -67,7 +67,7 @@ TEXT
 cmake -S "$work/outside" -B "$work/outside/build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$work/outside/build" >/dev/null
 
-# the runtime by itself asks for nothing else
+# the runtime alone has no dependencies
 mkdir "$work/engine-only"
 cp "$work/outside/engine.c" "$work/engine-only"
 cat >"$work/engine-only/CMakeLists.txt" <<'TEXT'
@@ -131,7 +131,7 @@ cmp first.png minimal.png
 ./tour
 [[ -s spheres.png ]]
 
-# the packages for Debian and Ubuntu, unpacked somewhere else: the program in one, what compiles against it in the other
+# the packages for Debian and Ubuntu, unpacked elsewhere: one contains the program, the other all that is needed to compile against it
 if command -v dpkg-shlibdeps >/dev/null; then
     cpack -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
     program=$(echo "$work"/resolvent_*.deb) development=$(echo "$work"/resolvent-dev_*.deb)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Other lights on a solved operator: pictures scale as light does, and names that are none are answered.
+# Relighting an operator file: pictures scale with the light, and unknown names are reported.
 source "$(dirname "$0")/support.sh"
 
 box=(--size 32x32 --spp 4 --threads 2)
@@ -16,7 +16,7 @@ succeeds render thrice.safetensors -o again.exr "${box[@]}"
 cmp -s thrice.exr again.exr || complain "the file that was kept gives another picture"
 succeeds relight box.safetensors --light light=1,1,0,0 --albedo white=0.2,0.2,0.2 -o red.exr "${box[@]}"
 
-# lights that a file keeps switched off can be switched on again, and nothing is said of the dark between
+# lights that are off in a file can be switched on again, without a warning about missing light
 succeeds relight box.safetensors --light light=0 -o dark.safetensors
 warns 'no light'
 succeeds relight dark.safetensors --light light=1 -o lit.exr "${box[@]}"
@@ -51,13 +51,13 @@ succeeds render open.safetensors -o unturned.exr "${open[@]}"
 succeeds compare anew.exr unturned.exr
 ! grep -q '^mean_ratio *2' stdout || complain "the sky did not turn"
 
-# a script: frames are what options ask for, one by one
+# a script: each frame equals the picture with the same settings as options
 printf '%s\n' '# evening' '3 light.light=1 albedo.white=0.7,0.7,0.7 move.light=0,0,0' '5 "light.light=0.5,1,0.5,0" move.light=0.1,0,0' >evening.txt
 succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]}" --mode operator
 [[ $(echo frame*) == 'frame003.exr frame004.exr frame005.exr' ]] || complain "frames are $(echo frame*)"
 succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --move light=0.05,0,0 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
 cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
-# strengths alone: the file is read once, each frame is what one call makes of it, and statistics are of all
+# strengths alone: the file is read once, each frame equals one call with its settings, and statistics cover all frames
 printf '%s\n' '0 light.light=1,1,1' '11 light.light=0.2,1,0.5,0.5' >dim.txt
 succeeds relight box.safetensors --script dim.txt -o dim%02d.exr "${box[@]}" --stats dim.json
 [[ $(ls dim??.exr | wc -l) == 12 ]] || complain "frames are $(echo dim*.exr)"

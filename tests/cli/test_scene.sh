@@ -2,13 +2,13 @@
 # A built-in scene written to a file and read back is the same scene.
 source "$(dirname "$0")/support.sh"
 
-# Names of scenes aside, what --json says, to four digits.
+# The output of --json to four digits, without names of scenes.
 facts() {
     succeeds info "$@" --json
     sed -E -e '/"scene":/d' -e 's/([0-9]\.[0-9]{0,4})[0-9]*/\1/g' stdout
 }
 
-# there_and_back NAME ARGUMENT...: the scene and what its file says are the same
+# there_and_back NAME ARGUMENT...: a scene and the file written from it have the same content
 there_and_back() {
     local name=$1
     succeeds scene "$@" -o $name.glb

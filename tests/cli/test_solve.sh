@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Operator files: pictures and probes from them are those of the scene, and what is wrong with one is said.
+# Operator files: their pictures and probes equal those of the scene, and errors in them are reported.
 source "$(dirname "$0")/support.sh"
 
 succeeds solve cornell-blocks -o blocks.safetensors --quality draft --stats solve.json

@@ -5,7 +5,7 @@ source "$(dirname "$0")/support.sh"
 seeds=$(cd "$here/../fuzz/seeds" && pwd)
 few=(--quality draft --max-elements 80)
 
-# spaces, letters of other scripts, what shells and file names take for their own
+# spaces, letters of other scripts, and characters with a meaning in shells and file systems
 odd="$work/a folder, Größe 100% 日本 [x] 'quoted'"
 mkdir "$odd"
 succeeds scene cornell-blocks -o "$odd/the box.glb"
@@ -43,7 +43,7 @@ done
 same threads-1.safetensors threads-64.safetensors "64 threads"
 same threads-1.png threads-64.png "a picture by 64 threads"
 
-# numbers below the smallest normal one are as good as nothing
+# denormal numbers count as 0
 cat >tiny.mtl <<'TEXT'
 newmtl tiny
 Kd 1e-40 1e-42 0
@@ -73,7 +73,7 @@ halts_when() {
     kill -STOP $! 2>/dev/null
 }
 
-# goes_on WHAT: and ends, with an error in one line if at all
+# goes_on WHAT: the program ends, with at most one line of error
 goes_on() {
     kill -CONT $! 2>/dev/null
     status=0
@@ -114,7 +114,7 @@ goes_on "where rows are cut off"
 ((status == 1)) || { succeeds "${long[@]}" -o whole.safetensors && same "$out/a.safetensors" whole.safetensors "where rows are cut off"; }
 rm -f "$out"/*
 
-# what the processor says where nothing is left of a page
+# SIGBUS: a page of a mapped file no longer exists
 halts_with_rows again "$out/a.safetensors"
 kill -BUS $!
 goes_on "where a mapped file is cut off"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# After an edit of the scene, rows kept by --checkpoint are traced again only where rays met what changed.
+# After an edit of the scene, only rays of rows that the edit may affect are traced again (--checkpoint).
 source "$(dirname "$0")/support.sh"
 quick=(--quality draft --max-elements 1000 --threads 1)
 
@@ -19,7 +19,7 @@ open(sys.argv[2], 'wb').write(head + text + rest)
 TEXT
 }
 
-# solve_again SCENE PATTERN: with the rows of the scene before, and what it says of them
+# solve_again SCENE PATTERN: solves with the rows of the scene before; the message about kept rows matches PATTERN
 solve_again() {
     succeeds solve "$1" -o "$1.safetensors" --checkpoint rows "${quick[@]}" --stats "$1.json"
     warns "checkpoint: $2 % of the rays of rows kept"

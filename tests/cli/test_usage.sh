@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Help teaches on standard output; wrong usage is one line and exit status 2.
+# Help goes to standard output; wrong usage gives one line and exit status 2.
 source "$(dirname "$0")/support.sh"
 
 succeeds --help

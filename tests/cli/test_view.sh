@@ -6,7 +6,7 @@ unset DISPLAY WAYLAND_DISPLAY
 succeeds solve cornell-blocks -o box.safetensors --quality draft --threads 2
 view=(view box.safetensors --threads 2)
 cat >tour.txt <<'TXT'
-# light three times as bright, then a camera that moves, then all there is to see
+# a light three times as bright, then a moving camera, then every panel and mode
 0    show hud
 0    show markers
 15   screenshot once.exr
@@ -32,7 +32,7 @@ for pair in '0 15' '15 40' '40 61' '61 62' '62 63' '63 64' '64 66' '66 69' '69 7
     cmp -s "first/frame-00$(printf %02d "$a").png" "first/frame-00$(printf %02d "$b").png" &&
         complain "frames $a and $b are alike"
 done
-# at rest, frames add up to the picture that `render` takes; light that changed settles to what `relight` finds
+# at rest, frames converge to the picture of `render`, and a changed light to that of `relight`
 succeeds render box.safetensors -o still.exr --mode operator --size 96x64 --spp 16 --threads 2
 succeeds compare still.exr once.exr
 says '^mean_ratio *\(1.00\|0.99\)'
@@ -70,7 +70,7 @@ cmp -s roll/frame-0002.png roll-again/frame-0002.png || complain "the object loo
 refuses 1 'nothing.obj' "${view[@]}" --object nothing.obj --record "$work/frames"
 [[ ! -e $work/frames ]] # no folder is left where there are no frames
 
-# scripts with errors name the line, and nothing is solved for those that cannot be read
+# errors in scripts are reported with their line, before anything is solved
 wrong() {
     printf '%s\n' '# a comment' '0 orbit 1 1' "$1" >bad.txt
     refuses 1 "bad.txt:3: .*$2" "${view[@]}" --size 32x32 --script bad.txt --record "$work/frames"
@@ -99,7 +99,7 @@ refuses 2 'size' "${view[@]}" --size 0x0
 printf '0 screenshot no/such/folder/a.png\n' >bad.txt
 refuses 1 'no/such/folder' "${view[@]}" --size 32x32 --script bad.txt --record "$work/frames"
 
-# walls that absorb nothing all around are refused as `relight` does
+# closed walls without absorption are refused, as in `relight`
 printf '2 albedo walls 1 1 1\n' >white.txt
 closed=(view furnace --quality draft --max-elements 100 --size 32x32 --threads 2)
 refuses 1 'absorbs nothing.*lower an albedo' "${closed[@]}" --script white.txt --record "$work/frames"
@@ -121,14 +121,14 @@ if ! grep -q 'without SDL2' stderr; then
     done
     grep -q '"sketch"' flight.json && grep -q '"coarse"\|"draft"' flight.json ||
         complain "the flight was not in light: $(cat flight.json)"
-    # scripts that need the best light wait for it; whoever quits before waits for nothing
+    # scripts that need the final light wait for it; quitting earlier does not wait
     printf '%s\n' '0 select light.light' '0 intensity 2' '1 screenshot twice.png' '2 quit' >change.txt
     succeeds view cornell-blocks --quality draft --script change.txt --size 64x48 --threads 2 --stats change.json
     grep -q '"draft"' change.json || complain "the best light was not shown"
     [[ -s twice.png ]] || complain "the picture was not taken"
     succeeds view box.safetensors --frames 3 --size 64x48 --threads 2 --stats solved.json
     grep -q '"frames":[[:space:]]*3' solved.json || complain "an operator file is not shown"
-    # what cannot be solved is said in one line
+    # a failed solve is reported in one line
     refuses 1 'budget of 1 elements' view cornell-blocks --max-elements 1 --script change.txt --size 64x48 --threads 2
     unset SDL_VIDEODRIVER
     refuses 1 '\(no window\|no display\).*--record' "${view[@]}" --frames 1
@@ -144,7 +144,7 @@ open_display 640x480 -fbdir screen
 printf '%s\n' '0 show hud' '0 show markers' '7 screenshot window.png' '8 quit' >window.txt
 succeeds "${view[@]}" --size 96x64 --script window.txt
 cmp -s window.png first/frame-0007.png || complain "the window shows another picture than is recorded"
-# in a window one can go on: the light is what it was, and the next change is made
+# in a window, one can continue: the light is unchanged, and the next change is applied
 printf '%s\n' '5 screenshot gray.exr' '6 albedo walls 1 1 1' '12 screenshot refused.exr' \
     '13 select light.walls' '13 intensity 2' '60 screenshot twice.exr' '61 quit' >white.txt
 succeeds "${closed[@]}" --script white.txt

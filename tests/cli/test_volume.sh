@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fog of OpenVDB files. The second argument makes such files; none = this build does not read them.
+# Fog from OpenVDB files. The second argument writes such files; without it, this build does not read them.
 source "$(dirname "$0")/support.sh"
 maker=${2:-}
 
@@ -28,7 +28,7 @@ says 'rmse  *0$'
 # -- bad ones
 
 for pair in "half:damaged" "vectors:velocity" "empty:is empty" "none:no grid" "huge:1000 x 1000 x 1000" \
-    "endless:all around" "negative:0 or more" "turned:along the axes" "surface:no level set"; do
+    "endless:background density" "negative:0 or more" "turned:along the axes" "surface:no level set"; do
     file=${pair%%:*}.vdb
     refuses 1 "$file: .*${pair#*:}" render furnace -o "$out/a.png" "${small[@]}" --fog 1 --volume $file
 done

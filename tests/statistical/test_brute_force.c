@@ -14,7 +14,7 @@
 
 // ---- the judge ----------------------------------------------------------------------------------
 
-/// Where a path has come to.
+/// The current vertex of a path.
 typedef struct arrival {
     rsv_bsdf storage;
     const rsv_bsdf *bsdf;

@@ -84,7 +84,7 @@ static void relight(rsv_light *light, const rsv_relight_desc *desc, double expec
     assert_close(power, expected, 2 * TOLERANCE * expected);
 }
 
-/// Lights in fog change their strength and place; none of their power is lost.
+/// Lights in fog change strength and position; the walls still absorb all of their power.
 static void fog_is_relit(void **state)
 {
     (void)state;
@@ -173,7 +173,7 @@ static void frames_show_fog(void **state)
     world_end(w);
 }
 
-/// In a furnace, nothing of the fog is seen.
+/// In a furnace, fog is invisible.
 static void frames_of_a_furnace_are_even(void **state)
 {
     (void)state;
@@ -279,7 +279,7 @@ static void vertices_know_what_fog_takes(void **state)
     world_end(w);
 }
 
-/// Of fog that scatters unevenly, rows hold light of all lights in one.
+/// If the fog scatters anisotropically, rows hold the sum of all lights.
 static void uneven_fog_is_not_relit(void **state)
 {
     (void)state;

@@ -107,7 +107,7 @@ static void absorbing_spheres_follow_beer(void **state)
 
 // ---- scattering once ----------------------------------------------------------------------------
 
-/// A lamp beside the line of sight: a point, a spot aimed straight at the line, and a small panel.
+/// A light next to the line of sight: a point light, a spot light aimed at the line, and a small panel.
 static void lamps_beside_a_line_light_it_once(void **state)
 {
     (void)state;
@@ -288,7 +288,7 @@ static void fog_is_invisible_in_a_furnace(void **state)
     world_end(w);
 }
 
-/// Nor can it be seen under a sky that is the same all around.
+/// It is also invisible under a uniform sky.
 static void lossless_fog_is_invisible_under_an_even_sky(void **state)
 {
     (void)state;
@@ -343,8 +343,8 @@ static void add_lamps(world *w, int count)
     }
 }
 
-/// Whatever fog without absorption does to the light of lamps in a closed room, all of it ends in the black walls. The
-/// lamps are points and panels, few and many, with a white body, a pane with holes and a glass ball in the way.
+/// In a closed room with fog without absorption, the black walls absorb all light of the lamps. The lamps are points
+/// and panels, few and many. A white body, a pane with holes and a glass ball are in the room.
 static void fog_loses_no_light(void **state)
 {
     (void)state;

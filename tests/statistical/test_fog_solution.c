@@ -150,7 +150,7 @@ static void absorbing_spheres_follow_beer(void **state)
 
 // ---- scattering ---------------------------------------------------------------------------------
 
-/// Mode final samples light that is scattered once: it knows nothing of voxels.
+/// Mode final samples light that is scattered once, without using voxels.
 static void lamps_beside_a_line_light_it_once(void **state)
 {
     (void)state;
@@ -298,7 +298,7 @@ static void fog_is_invisible_in_a_furnace(void **state)
     world_end(w);
 }
 
-/// Nor can it be seen under a sky that is the same all around.
+/// It is also invisible under a uniform sky.
 static void lossless_fog_is_invisible_under_an_even_sky(void **state)
 {
     (void)state;
@@ -351,7 +351,7 @@ static void add_panel(world *w)
         v3(0.2f, 0.6f, -0.2f), v3(-0.2f, 0.6f, -0.2f));
 }
 
-/// Whatever fog that absorbs nothing does to the light of lamps in a closed room, all of it ends in the black walls.
+/// In a closed room with fog without absorption, the black walls absorb all light of the lamps.
 static void fog_loses_no_light(void **state)
 {
     (void)state;
@@ -427,7 +427,7 @@ static void no_light_leaks_through_walls(void **state)
 
 // ---- against the path tracer ----------------------------------------------------------------------
 
-/// The certificate finds what is wrong on surfaces, and its bound holds.
+/// The certificate finds an error on surfaces, and its bound holds.
 static void the_certificate_knows_fog(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// A lamp that covers a thousandth of what is behind it, between a camera and the floor that it lights: exact answers.
+/// A lamp between the camera and the floor that it lights, which covers a thousandth of the background: exact answers.
 #include "resolvent/frame.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"

@@ -4,7 +4,7 @@
 #include "resolvent/solve.h"
 #include "unit/light_fixture.h"
 
-/// Relative; readings may besides be off by their own noise.
+/// Relative tolerance; readings may also deviate by their own noise.
 #define TOLERANCE 5e-3
 #define STANDARD_ERRORS 4
 
@@ -76,8 +76,8 @@ static void furnaces_fill_glass_with_denser_light(void **state)
     world_end(w);
 }
 
-/// A white lamp in a glass ball, in a room that alone absorbs: all light that leaves the lamp ends in
-/// the walls, whatever the glass does to it.
+/// A white lamp in a glass ball, in a room where only the walls absorb: the walls absorb all light that leaves the
+/// lamp.
 static void lamps_in_glass_lose_nothing(void **state)
 {
     (void)state;
@@ -126,7 +126,7 @@ static void tinted_bodies_dim_light_between_what_they_hold(void **state)
     world_end(w);
 }
 
-/// I exp(-a d) / d^2, nothing of which the surface of the body reflects.
+/// I exp(-a d) / d^2; the surface of the body reflects nothing.
 static void tinted_bodies_dim_lights_inside(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// Standard errors of probes: the truth lies within two of them, with caustics and without, whatever the seed.
+/// Standard errors of probes: the true value lies within two of them, with and without caustics, for any seed.
 #include "resolvent/render.h"
 #include "unit/light_fixture.h"
 #include "unit/slow_tests.h"
@@ -168,8 +168,8 @@ static void find_truth(const trial *t, const world *w, uint32_t paths, const rsv
     read_solution(w, &desc, probe, 8192, truth);
 }
 
-/// Readings of many seeds beside the truth: how many lie within two standard errors, and how large those are beside the spread
-/// of the readings.
+/// Compares readings with many seeds with the true value: how many lie within two standard errors, and the ratio of
+/// these errors to the spread of the readings.
 typedef struct tally {
     int covered, all;
     double stated, spread; ///< variances over squares of the means

@@ -84,7 +84,7 @@ static room random_room(uint32_t seed)
 
 // ---- the same room in other words ----------------------------------------------------------------------
 
-/// Turned about an axis that is none of the room's.
+/// Rotated about an axis that is not parallel to any wall of the room.
 static void turn(room *r)
 {
     const float a = 0.7f, b = 1.1f;

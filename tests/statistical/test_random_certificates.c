@@ -159,8 +159,8 @@ static void certificates_of_a_gallery_fall_with_quality(void **state)
     assert_int_equal(t.bounded, t.cases);
 }
 
-/// `rooms FIRST COUNT QUALITIES POINTS SAMPLES` or `scene NAME SEEDS QUALITIES POINTS SAMPLES`: only these, whatever is
-/// wrong with them.
+/// `rooms FIRST COUNT QUALITIES POINTS SAMPLES` or `scene NAME SEEDS QUALITIES POINTS SAMPLES`: runs only these, and
+/// continues after failures.
 static int look_at(char **argv)
 {
     void *state = NULL;

@@ -491,7 +491,7 @@ static void add_bent_plate(rsv_scene *scene)
     assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
 }
 
-/// What every mode shows of the bent plate. @param seen what it is to show
+/// What each mode shows of the bent plate. @param seen the expected value
 static void check_bent_plate(rsv_scene *scene, double seen)
 {
     rsv_light *solution;
@@ -514,7 +514,7 @@ static void check_bent_plate(rsv_scene *scene, double seen)
     rsv_light_destroy(solution);
 }
 
-/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
+/// With a uniform sky, a normal tilted by t receives (1 + cos t) / 2.
 static void bent_normals_receive_what_they_see(void **state)
 {
     rsv_scene *scene = begin_scene(*state);
@@ -524,7 +524,7 @@ static void bent_normals_receive_what_they_see(void **state)
     rsv_scene_destroy(scene);
 }
 
-/// Of a sun right above cos t, also where it is stored.
+/// With a sun at the zenith, it receives cos t, also where light is stored.
 static void bent_normals_receive_a_sun(void **state)
 {
     rsv_scene *scene = begin_scene(*state);
@@ -702,7 +702,7 @@ static void many_rooms_are_as_the_path_tracer_sees_them(void **state)
 
 #define SCENE_TEST(test) cmocka_unit_test_setup_teardown(test, fixture_setup, fixture_teardown)
 
-/// `rooms FIRST COUNT`: only these, whatever is wrong with them.
+/// `rooms FIRST COUNT`: runs only these, and continues after failures.
 static int look_at_rooms(char **argv)
 {
     void *state = NULL;

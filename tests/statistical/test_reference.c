@@ -524,7 +524,7 @@ static void cancelled_work_leaves_no_picture(void **state)
     finish(f);
 }
 
-/// A wall in the material, lit by a point. @return whether it is said that light is left out
+/// A wall in the material, lit by a point light. @return whether a warning says that light is left out
 static bool names_what_is_left_out(const rsv_material *material)
 {
     fixture *f = start(1);

@@ -134,7 +134,7 @@ static void add_tilted_sheet(world *w, uint32_t material, float z)
     assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
 }
 
-/// A bulb behind two such sheets: the photons that pass one of them must be told what its true surface catches.
+/// A bulb behind two such sheets: photons that pass through one of them must still find the true surface of the other.
 static void tilted_normals_bend_shot_light_as_they_bend_paths(void **state)
 {
     (void)state;

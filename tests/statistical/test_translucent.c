@@ -187,8 +187,8 @@ static void a_vanishing_mean_free_path_is_lambert(void **state)
     }
 }
 
-/// Whatever stands in a closed box: with one albedo everywhere and nothing lost below surfaces, the mean irradiance
-/// is the mean emission / (1 - albedo).
+/// In a closed box with one albedo everywhere, and no loss below surfaces, the mean irradiance is the mean emission /
+/// (1 - albedo), for any objects in the box.
 static void a_translucent_ball_keeps_the_balance_of_a_closed_box(void **state)
 {
     (void)state;

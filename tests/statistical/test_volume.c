@@ -289,7 +289,7 @@ static double find_balance(bool panel, uint32_t seed)
     return found;
 }
 
-/// By several solutions, as each has noise of a percent.
+/// Uses the mean of several solutions, because each has noise of a percent.
 static void fog_loses_no_light(void **state)
 {
     (void)state;

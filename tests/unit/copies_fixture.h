@@ -4,7 +4,7 @@
 
 #include "light_fixture.h"
 
-/// How the walls of a room are copied: as single-sided faces that look outwards, if nothing else is said.
+/// How the walls of a room are copied. Default: as single-sided faces that look outwards.
 typedef enum copies {
     SINGLE, ///< not at all
     AFTER,

@@ -1,4 +1,4 @@
-/// Scenes full of fog whose light is known, and readings of them.
+/// Scenes full of fog with exact answers, and readings of them.
 #ifndef FOG_FIXTURE_H
 #define FOG_FIXTURE_H
 

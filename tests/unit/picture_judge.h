@@ -5,8 +5,8 @@
 #include "light_fixture.h"
 #include "resolvent/image.h"
 
-/// Asserts an error of at most 0.5 % in the mean, and in each pixel as little as two better pictures with other seeds
-/// can tell.
+/// Asserts a relative error of at most 0.5 % for the mean. For each pixel, the error must not be distinguishable from
+/// noise by comparison with two better pictures with other seeds.
 static inline void assert_errs_no_more(
     rsv_image *const judge[2], const rsv_image *ours, const rsv_image *theirs)
 {

@@ -1,4 +1,4 @@
-/// Animated glTF files: where things are at a time, beside closed forms.
+/// Animated glTF files: positions at a given time, compared with closed forms.
 #include "gltf_fixture.h"
 
 #include "resolvent/animation.h"
@@ -57,7 +57,7 @@ static void quaternion_about_z(double angle, float sign, float q[4])
     q[3] = sign * (float)cos(angle / 2);
 }
 
-/// At a constant speed along the shorter arc, whatever the sign of quaternions.
+/// Rotation at constant speed along the shorter arc, for either sign of the quaternions.
 static void rotations_go_along_the_arc(void **state)
 {
     const float time[2] = { 2, 3 };
@@ -281,7 +281,7 @@ static void moments_are_read_as_the_file_is(void **state)
     remove_folder(place.path);
 }
 
-/// By the document that a scene keeps: lamps and materials are those of the scene, places those of the document.
+/// From the document that a scene keeps: lights and materials are those of the scene, transforms those of the document.
 static void kept_documents_are_played(void **state)
 {
     fixture *f = *state;
@@ -354,7 +354,8 @@ static void clips_are_found_by_name_and_play_together(void **state)
     remove_folder(place.path);
 }
 
-/// What nothing moves is the same, bit for bit, as in the file at rest; the view of a scene without a camera stays.
+/// Parts that nothing moves are bit for bit the same as in the file at rest. The view of a scene without a camera does
+/// not change.
 static void what_rests_is_as_in_the_file(void **state)
 {
     const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 2, 0, 0 };
@@ -482,7 +483,7 @@ static void what_is_not_played_is_named(void **state)
     remove_folder(place.path);
 }
 
-/// A jump where two keys are at one time, one key alone, and a rotation that is nothing.
+/// A jump where two keys have the same time, a single key, and a rotation of length zero.
 static void odd_keys_are_played(void **state)
 {
     const float time[3] = { 0, 1, 1 }, go[9] = { 0, 0, 0, 2, 0, 0, 5, 0, 0 };
@@ -545,7 +546,7 @@ static void assert_walks(rsv_animation *a, const rsv_clip *clip, double t)
     rsv_scene_destroy(scene);
 }
 
-/// As tall as it is said to be, with its feet on the floor, and in the end where it began.
+/// As tall as specified, with its feet on the floor; at the end it is back at the start.
 static void a_figure_walks(void **state)
 {
     const char *assets = getenv("RSV_ASSETS");

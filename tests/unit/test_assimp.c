@@ -1,4 +1,4 @@
-/// OBJ, PLY, FBX, COLLADA and STL files become the scenes their authors meant, or one line of error.
+/// OBJ, PLY, FBX, COLLADA and STL files are read as intended, or refused with one line of error.
 #include "resolvent/io.h"
 #include "scene/smooth_normals.h"
 #include "unit/scene_fixture.h"
@@ -136,7 +136,7 @@ static void textures_are_warned_of(void **state)
     assert_mentions(f->log, "'skin'");
 }
 
-/// One warning for each kind of thing, with what it is.
+/// One warning for each kind of feature, which names it.
 static void what_is_not_used_is_named_once(void **state)
 {
     fixture *f = *state;
@@ -174,7 +174,7 @@ static void what_is_not_used_is_named_once(void **state)
     assert_null(strstr(f->log, "not used"));
 }
 
-/// What is wrong, where, and what to do, in our words.
+/// Messages say what is wrong, where, and what to do, without Assimp's wording.
 static void importers_do_not_speak_for_themselves(void **state)
 {
     fixture *f = *state;
@@ -269,7 +269,7 @@ static void spellings_of_mtl_and_obj_are_understood(void **state)
     }
 }
 
-/// Faces of old versions, flat ones in a file without normals, and text that is none.
+/// Faces of old versions, flat faces in a file without normals, and text that is not OBJ.
 static void oddities_of_obj_are_read_or_named(void **state)
 {
     fixture *f = *state;
@@ -570,7 +570,7 @@ static void malformed_files_are_refused_in_one_line(void **state)
     assert_refused(f, "/dev/null", "regular file");
 }
 
-/// Every file cut short, and with single bytes changed, is read or refused, and nothing worse.
+/// Every file, truncated anywhere or with single bytes changed, is read or refused, and does no harm.
 static void cut_and_altered_files_do_no_harm(void **state)
 {
     fixture *f = *state;

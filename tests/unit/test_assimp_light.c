@@ -1,4 +1,4 @@
-/// Lights and cameras of FBX and COLLADA have the strengths and fields of view that their authors meant, in any unit.
+/// Lights and cameras of FBX and COLLADA have the intended strengths and fields of view, in any unit.
 #include "io/fbx_scan.h"
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
@@ -28,7 +28,7 @@ static rsv_scene *load(fixture *f, const char *name)
 
 #define assert_about(a, b) assert_float_equal((a) / (b), 1, 1e-4)
 
-/// Irradiance on the floor right below the first light, without what might be in the way.
+/// Irradiance on the floor right below the first light, ignoring occluders.
 static float below(const rsv_scene_view *view)
 {
     const rsv_punctual_light *light = &view->light[0];
@@ -65,7 +65,7 @@ static void write_collada(const char *tool, double metre, const char *library, c
     fclose(file);
 }
 
-/// The importer takes what is no number for a metre, and what is no axis for y.
+/// The importer reads an invalid number as one metre, and an invalid axis as y.
 static void collada_units_that_are_no_numbers_are_named(void **state)
 {
     fixture *f = *state;
@@ -304,7 +304,7 @@ static void metals_of_blender_in_collada_are_metals(void **state)
     }
 }
 
-/// The count of an array is what it holds, whatever it says.
+/// The count of an array is the number of its elements, even if the file states another.
 static void collada_arrays_hold_what_stands_in_them(void **state)
 {
     fixture *f = *state;
@@ -362,7 +362,7 @@ static void collada_rotations_keep_sizes(void **state)
     }
 }
 
-/// What no part of the format has its name is told of once, wherever it stands, without what lies in it.
+/// Elements with unknown names are reported once, wherever they are, without their content.
 static void collada_names_elements_that_nobody_knows(void **state)
 {
     fixture *f = *state;
@@ -379,7 +379,7 @@ static void collada_names_elements_that_nobody_knows(void **state)
                             "element 'acme_shape', element 'acme_thing'\n");
 }
 
-/// References that lead nowhere, and kinds of things that nobody reads, are named once each.
+/// References that lead nowhere, and kinds of objects that are not read, are reported once each.
 static void collada_names_what_is_not_there_or_not_used(void **state)
 {
     fixture *f = *state;
@@ -599,7 +599,7 @@ static void fbx_hides_what_is_not_to_be_shown(void **state)
     }
 }
 
-/// Binary files state it by lengths, which stay what they are.
+/// Binary files state it by lengths, which do not change.
 static void fbx_tells_of_visibility_in_binary_files(void **state)
 {
     (void)state;
@@ -653,7 +653,8 @@ static void fbx_cameras_without_a_field_of_view_see_something(void **state)
     }
 }
 
-/// A material of Phong's is one, whatever roughness the importer makes of its shininess; Blender's stands for a Principled BSDF.
+/// A Phong material stays one, whatever roughness the importer derives from its shininess. Blender's Phong materials
+/// represent a Principled BSDF.
 static void fbx_of_blender_is_read_as_blender_means_it(void **state)
 {
     static const char layer[] = "  LayerElementMaterial: 0 {\n"

@@ -18,7 +18,7 @@ typedef struct judgement {
 
 static float channel(rsv_rgb c, int k) { return k == 0 ? c.r : k == 1 ? c.g : c.b; }
 
-/// Irradiance for a normal m, as docs/bake.md tells shaders to reconstruct it.
+/// Irradiance for a normal m, reconstructed as docs/bake.md describes for shaders.
 static float reconstruct(float e, const rsv_rgb v[3], rsv_vec3 m, int c)
 {
     float along = m.x * channel(v[0], c) + m.y * channel(v[1], c) + m.z * channel(v[2], c);
@@ -91,8 +91,7 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
 #define CHARTS 120
 #define SIDE 512
 
-/// Right triangles of many sizes, one a chart.
-/// @param slivers whether all but a few are thinner than a texel
+/// Right triangles of many sizes, one per chart. @param slivers whether all but a few are thinner than a texel
 static void make_triangles(rsv_bake_charts *c, bool slivers)
 {
     for (uint32_t k = 0; k < CHARTS; k++) {
@@ -167,7 +166,7 @@ static void charts_lie_close_and_filtering_keeps_them_apart(void **state)
 #define COLUMNS 16
 #define STITCHES 40
 
-/// Light of a lamp in a map, and what it is on both sides of a seam that runs through it twice, at a slant.
+/// Light of a lamp in a map, on both sides of a seam that crosses it twice at an angle.
 static void light_seam(int lamp, rsv_rgb *light, rsv_bake_stitch *stitch)
 {
     for (int k = 0; k < ROWS * COLUMNS; k++)

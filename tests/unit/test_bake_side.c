@@ -1,4 +1,4 @@
-/// Which side's light surfaces show that have one light in a file: that of the side from which people look.
+/// Surfaces with one light in a file show that of the side from which they are normally seen.
 #include "bake/bake_side.h"
 #include "light_fixture.h"
 #include "light_view.h"
@@ -112,7 +112,7 @@ static void rooms_in_the_sun_show_their_inside_and_cushions_their_outside(void *
     }
 }
 
-/// The same box once with its front inside, once outside: nobody looks from the void.
+/// The same box with its fronts inside, and outside: nobody looks at it from the void.
 static void rooms_turned_to_the_void_show_their_inside(void **state)
 {
     (void)state;

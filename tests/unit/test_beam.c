@@ -1,4 +1,4 @@
-/// Beams against the ray tracer: whole pictures, and what could slip through.
+/// Beams against the ray tracer: whole pictures, and cases that could slip through.
 #include "copies_fixture.h"
 #include "frame/packet_kernels.h"
 #include "trace/packet.h"
@@ -122,7 +122,7 @@ static rsv_camera turned(rsv_camera c, float side)
     return c;
 }
 
-/// From the camera's place and from others: outside, turned, as if in a mirror, wide, and close to what it sees.
+/// From the camera's position and from others: outside, rotated, as if in a mirror, wide, and close to the surface.
 static void check_views(world *w, double least_share)
 {
     comparison sum = { 0 };
@@ -220,7 +220,7 @@ static void add_triangle(world *w, uint32_t material, const rsv_vec3 corner[3])
     assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
 }
 
-/// Specks of a hundredth of a pixel, each in the way of the ray at a tile's corner.
+/// Specks of a hundredth of a pixel, each hit by the ray at a tile's corner.
 static void a_speck_at_the_corner_of_a_tile_is_met(void **state)
 {
     (void)state;

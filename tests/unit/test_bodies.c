@@ -1,4 +1,4 @@
-/// Polygonised fields are closed and lie on their surface; bodies stand where a built-in scene wants them.
+/// Polygonised fields are closed and lie on their surface; built-in scenes place bodies where they should be.
 #include "builtin/body.h"
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"

@@ -401,8 +401,8 @@ static void mean_specular_weights(const rsv_bsdf *bsdf, rsv_vec3 wo, double *alo
     }
 }
 
-/// Drawn alone, the specular lobes carry what they carry among the others: the coat's albedo, and all that black glass
-/// reflects.
+/// Sampled on their own, the specular lobes have the same albedo as among the others: that of the coat, and all that
+/// black glass reflects.
 static void specular_lobes_drawn_alone_carry_their_share(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// The wide hierarchy: its boxes hold what is below them, and rays through it meet what the tracer meets.
+/// The wide hierarchy: boxes contain everything below them, and rays hit the same triangles as with the tracer.
 #include "bvh/bvh_trace.h"
 #include "light_fixture.h"
 #include "surface/surface.h"
@@ -336,7 +336,7 @@ static void rays_meet_what_the_tracer_meets(void **state)
     check_scene("terraces:1e4", 20000);
 }
 
-/// Rays at the edges and corners of a closed body, from inside: none gets out.
+/// Rays from inside at the edges and corners of a closed body: none escapes.
 static void closed_bodies_are_tight(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/// The certificate: exact where the error is known, bounded by truth where it is not, the same for any number of
-/// threads, and patient with scenes that have nothing to certify.
+/// The certificate: exact where the error is known; otherwise the bound holds compared with path tracing; identical for
+/// any number of threads; and defined for scenes where there is nothing to certify.
 #include "resolvent/certify.h"
 #include "resolvent/render.h"
 
@@ -42,7 +42,7 @@ static void scale(rsv_rgb *field, size_t count, float factor)
         field[n] = rgb_scale(field[n], factor);
 }
 
-/// Puts a known error of (factor - 1) E~ into everything that lookups read.
+/// Adds a known error of (factor - 1) E~ to everything that lookups read.
 static void scale_solution(rsv_light *s, float factor)
 {
     rsv_light_fields *f = rsv_light_edit(s);
@@ -101,7 +101,8 @@ static void add_bent_plate(world *w)
     world_textured_quad(w, "plate", m, corner, uv);
 }
 
-/// Elements store light by the normal map, and are judged by it: under a sun right above, the cosine of its tilt.
+/// Elements store light by the normal map, and the certificate uses it too: under a sun at the zenith, the cosine of
+/// its tilt.
 static void a_tilt_by_a_normal_map_is_no_error(void **state)
 {
     (void)state;
@@ -129,7 +130,7 @@ static void a_tilt_by_a_normal_map_is_no_error(void **state)
     world_end(w);
 }
 
-/// White under a coat reflects no more than it receives: all albedos are below 1, and so there is a bound.
+/// White under a coat reflects no more than it receives: all albedos are below 1, so there is a bound.
 static void a_coat_does_not_raise_the_albedo(void **state)
 {
     (void)state;
@@ -179,7 +180,7 @@ static void open_walls_of_albedo_1_have_a_bound(void **state)
     world_end(w);
 }
 
-/// A constant error of a furnace shrinks to 1 - albedo of it in the residual: the bound is met with equality.
+/// In a furnace, the residual of a constant error is (1 - albedo) times that error: the bound is exact.
 static void a_known_error_of_a_furnace_is_found(void **state)
 {
     (void)state;
@@ -244,7 +245,7 @@ static void check_against_truth(const char *scene, const rsv_solve_desc *desc, u
     world_end(w);
 }
 
-/// Elements far too large for shadows and corners: nothing but discretisation errs.
+/// Elements far too large for shadows and corners: the only error is that of discretisation.
 static void a_coarse_solution_confesses(void **state)
 {
     (void)state;
@@ -263,7 +264,7 @@ static void a_noisy_solution_confesses(void **state)
     check_against_truth("cornell-blocks", &desc, 800, 256, 1024, 0.2);
 }
 
-/// Most of the error lies in two small spots that the solution holds for dark: few points find them.
+/// Most of the error is in two small spots that the solution takes for dark: few points find them.
 static void a_solution_without_caustics_confesses(void **state)
 {
     (void)state;
@@ -272,8 +273,8 @@ static void a_solution_without_caustics_confesses(void **state)
     check_against_truth("cornell-spheres", &desc, 25600, 32, 8192, 0.6);
 }
 
-/// Better solutions are said to be better, and by as much as they are: the estimate is within 1.25 times of what the truth may
-/// be.
+/// Better solutions have smaller estimates, by the right factor: the estimate is within 1.25 times the interval of the
+/// true error.
 static void estimates_fall_as_errors_do(void **state)
 {
     (void)state;
@@ -522,7 +523,7 @@ static uint32_t judge_points_of(const rsv_light_view *s, uint32_t points)
     return buried;
 }
 
-/// Whether a point is seen depends on the scene, and not on how large the elements around it are.
+/// Whether a point is visible depends on the scene, not on the size of the elements around it.
 static void points_within_bodies_count_at_no_quality(void **state)
 {
     (void)state;
@@ -594,7 +595,7 @@ static world *create_room_under_a_lamp(int threads)
     return w;
 }
 
-/// Points by area alone saw a tenth of the irradiance, or several times of it.
+/// Points uniform in area found a tenth of the irradiance, or several times as much as there is.
 static void few_points_meet_a_bright_spot(void **state)
 {
     (void)state;
@@ -686,7 +687,8 @@ static void a_rooms_picture_errs_as_importance_says(void **state)
     world_end(w);
 }
 
-/// What a camera does not see, and what does not light it, gets few elements: a third does for the picture.
+/// Surfaces that the camera does not see, and that do not light what it sees, get few elements: a third of them is
+/// enough for the picture.
 static void a_goal_spends_elements_where_they_count(void **state)
 {
     (void)state;
@@ -718,7 +720,7 @@ static void a_goal_spends_elements_where_they_count(void **state)
     world_end(w);
 }
 
-/// What sensors in the dark room read takes fewer elements when it is all that matters, and is as right.
+/// With the readings of sensors in the dark room as the goal, fewer elements give the same accuracy.
 static void sensors_are_goals_as_cameras_are(void **state)
 {
     (void)state;
@@ -782,7 +784,7 @@ static void refinement_reaches_its_target(void **state)
     world_end(w);
 }
 
-/// Frames that touch their walls are most of what errs here: rounds do not run away.
+/// Most of the error is at frames that touch their walls: refinement does not run away there.
 static void a_gallery_reaches_its_target(void **state)
 {
     (void)state;
@@ -804,7 +806,7 @@ static void a_gallery_reaches_its_target(void **state)
     world_end(w);
 }
 
-/// Whatever the seed, what is said to be reached is so by many other points.
+/// For any seed, an error that is reported as reached is confirmed by many other points.
 static void a_target_is_not_reached_by_luck(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// Likely mistakes in scenes: each is found where it is made, and nowhere else.
+/// Likely mistakes in scenes: each is found where it was made, and nowhere else.
 #include "scene_fixture.h"
 
 #include "resolvent/check.h"
@@ -76,7 +76,8 @@ static rsv_scene *build_room(fixture *f, changes c)
     return scene;
 }
 
-/// What is found in a room: mistakes that are not among `expected` fail. @param expected names, with commas
+/// Checks the mistakes found in a room: the test fails on any that `expected` does not list.
+/// @param expected names, separated by commas
 static void assert_found(fixture *f, changes c, const char *expected, size_t counted)
 {
     rsv_scene *scene = build_room(f, c);

@@ -1,4 +1,4 @@
-/// Code of others at work on hostile input: whatever it does, the caller lives and learns of it.
+/// Third-party code in a child process on hostile input: the caller always survives and gets a message.
 #include "io/child_process.h"
 
 #include "core/core.h"
@@ -58,7 +58,7 @@ static rsv_status crashes(void *user, FILE *answer)
     return RSV_OK;
 }
 
-/// An importer that believes a count in a file: it dies when it gets no memory, or goes on without.
+/// An importer that trusts a count in a file: without memory it either crashes or continues.
 static rsv_status devours(void *user, FILE *answer)
 {
     (void)user, (void)answer;

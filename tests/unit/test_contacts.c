@@ -1,4 +1,4 @@
-/// What keeps light from leaking through walls, and leaves it where things touch, hang close or reach into one another.
+/// Light does not leak through walls, and is not lost where objects touch, hang close together or intersect.
 #include "elements/burial.h"
 #include "elements/contact.h"
 #include "elements/open_corners.h"
@@ -55,7 +55,7 @@ static float look_up(
     return rsv_light_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
 }
 
-/// Light on the dark side of the wall over light on the bright side, the same distance from it.
+/// Light on the dark side of the wall, divided by the light on the bright side at the same distance.
 static float leak_at(const world *w, const rsv_light *s, split_room room, rsv_vec3 place,
     rsv_vec3 normal, float distance, uint32_t order)
 {
@@ -84,8 +84,8 @@ static float worst_leak(const world *w, const rsv_light *s, split_room room, uin
     return worst;
 }
 
-/// Direct light lives on fine cells, indirect light on coarse ones, each with its own limit; a negative
-/// limit leaves one out.
+/// Direct light is stored on fine cells, indirect light on coarse ones, each with its own limit; a negative limit skips
+/// one.
 static void check_leaks(split_room room, uint32_t seed, float direct_limit, float indirect_limit)
 {
     world *w = create_split_room(room);
@@ -243,7 +243,7 @@ static void add_lamp(world *w)
         v3(0.3f, 0.99f, 0.3f), v3(-0.3f, 0.99f, 0.3f));
 }
 
-/// What is stored at the places, over what is gathered there: least and largest, and the mean.
+/// Stored irradiance at these points, divided by gathered irradiance: minimum, maximum and mean.
 typedef struct shares {
     float least, largest, mean;
 } shares;
@@ -270,8 +270,8 @@ static shares stored_shares(
 
 #define OUT 1.2f // the far side of a built room's walls
 
-/// A room whose walls, floor and ceiling are boxes that reach into one another, as builders have them: corners of their
-/// cells lie in the next box.
+/// A room whose walls, floor and ceiling are intersecting boxes, as in architectural models: corners of their cells lie
+/// inside the next box.
 static world *create_built_room(void)
 {
     world *w = world_begin(2);
@@ -367,7 +367,7 @@ static void rows_start_from_the_points_that_were_judged(void **state)
     world_end(w);
 }
 
-/// What a picture hides of the wall that it hangs on must not darken what it does not.
+/// The part of a wall that a picture hides must not darken the visible part.
 static void the_wall_around_a_picture_is_not_darkened(void **state)
 {
     (void)state;
@@ -394,7 +394,7 @@ static void the_wall_around_a_picture_is_not_darkened(void **state)
         fail_msg("%g of the light at least, %g on average", found.least, found.mean);
 }
 
-/// Nodes under a box are black; the floor beside it must not be.
+/// Nodes under a box are black, but must not darken the floor around it.
 static void the_floor_beside_a_box_is_not_darkened(void **state)
 {
     (void)state;
@@ -420,7 +420,7 @@ static void the_floor_beside_a_box_is_not_darkened(void **state)
     world_end(w);
 }
 
-/// A panel that lights the ceiling from just below it: nodes at its border are not to pass that light on.
+/// A panel just below the ceiling that lights it: nodes at its border must not pass that light on.
 static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
 {
     (void)state;
@@ -461,7 +461,7 @@ static rsv_vec3 beneath(int k)
     return place[k % 4];
 }
 
-/// What lies close to a floor leaves it little light, but some: that of the gap, which its own cells keep.
+/// An object close to a floor leaves little light on it, but some: that of the gap, which the floor's own cells store.
 static void light_in_a_gap_is_that_of_the_gap(void **state)
 {
     (void)state;
@@ -517,8 +517,8 @@ static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
     return most / below;
 }
 
-/// What stands on a thin floor and reaches a little way through it has light from above the floor on its foot, none of what
-/// is below.
+/// An object on a thin floor, which it pierces slightly: its foot receives light from above the floor, and none from
+/// below.
 static void feet_that_reach_through_a_floor_stay_dark(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// Daylight at sensors: open ground, a room beside the path tracer, panes, figures, errors.
+/// Daylight at sensors: open ground, a room compared with the path tracer, panes, annual results, errors.
 #include "light_fixture.h"
 #include "resolvent/daylight.h"
 #include "resolvent/io.h"
@@ -60,6 +60,32 @@ static void build_room(world *w, double turn, uint32_t pane)
     turned_quad(w, light, lintel, turn);
     if (pane != RSV_NONE) turned_quad(w, pane, opening, turn);
     world_commit(w);
+}
+
+static void add_pane(world *w, uint32_t pane, bool upright)
+{
+    if (upright)
+        world_quad(w, pane, v3(1, 1, 0), v3(1, 2, 0), v3(3, 2, 0), v3(3, 1, 0));
+    else
+        world_quad(w, pane, v3(1, 3, -3), v3(3, 3, -3), v3(3, 3, -2), v3(1, 3, -2));
+}
+
+/// Walls of 4 by 3 by 5 m around an opening of 2 by 1 m in the roof, in the south wall, or both.
+static void build_lit_room(world *w, bool roof, bool window)
+{
+    uint32_t grey = world_lambert(w, 0.5f, 0);
+    world_box(w, grey, v3(-0.2f, -0.2f, -5.2f), v3(4.2f, 0, 0.2f)); // floor
+    world_box(w, grey, v3(-0.2f, 0, -5), v3(0, 3, 0));
+    world_box(w, grey, v3(4, 0, -5), v3(4.2f, 3, 0));
+    world_box(w, grey, v3(0, 0, -5.2f), v3(4, 3, -5));
+    world_box(w, grey, v3(0, 0, 0), v3(window ? 1 : 4, 3, 0.05f));
+    if (window) world_box(w, grey, v3(3, 0, 0), v3(4, 3, 0.05f));
+    if (window) world_box(w, grey, v3(1, 0, 0), v3(3, 1, 0.05f));
+    if (window) world_box(w, grey, v3(1, 2, 0), v3(3, 3, 0.05f));
+    world_box(w, grey, v3(0, 3, -5), v3(roof ? 1 : 4, 3.05f, 0));
+    if (roof) world_box(w, grey, v3(3, 3, -5), v3(4, 3.05f, 0));
+    if (roof) world_box(w, grey, v3(1, 3, -5), v3(3, 3.05f, -3));
+    if (roof) world_box(w, grey, v3(1, 3, -2), v3(3, 3.05f, 0));
 }
 
 enum { most_hours = 48 };
@@ -399,7 +425,7 @@ static void diffusing_panes_spread_the_sky(void **state)
 
 // ---- figures ----------------------------------------------------------------------------------------
 
-/// In the open, under skies that are known: 24 hours of which 10 are occupied.
+/// On open ground, under skies with closed forms: 24 hours, 10 of them occupied.
 static void figures_count_hours(void **state)
 {
     (void)state;
@@ -439,7 +465,7 @@ static void figures_count_hours(void **state)
     world_end(w);
 }
 
-/// One sensor in the sun, one in the shade of a wall; shades that keep out everything, but for the sky's hours.
+/// One sensor in the sun, one in the shade of a wall; shades that block all light, except in hours without sun.
 static void shades_go_down_in_the_sun(void **state)
 {
     (void)state;
@@ -524,6 +550,38 @@ static void shades_go_down_room_by_room(void **state)
     world_end(w);
 }
 
+/// Where nothing has a colour, sensors share the channels of a field; the slightest tint parts them, and changes nothing.
+static void gray_rooms_read_as_tinted_ones(void **state)
+{
+    (void)state;
+    enum { count = 5 };
+    rsv_weather_hour hour = record_at(3, 21, 10.5, 650, 140);
+    rsv_weather weather = weather_of(&hour, 1);
+    const rsv_probe sensor[count] = { up_at(1, 0.8f, -1), up_at(2, 0.8f, -1), up_at(3, 0.8f, -2),
+        up_at(1, 0.8f, -3), { { 2, 1, -4 }, { 0, 0, -1 } } };
+    float lux[2][count];
+    for (int k = 0; k < 2; k++) {
+        world *w = world_begin(2);
+        rsv_material box = lambert_material(0.5f, 0);
+        if (k) box.base_color.b = nextafterf(0.5f, 1);
+        build_lit_room(w, false, true);
+        world_box(w, world_material(w, box), v3(2, 0, -4), v3(2.5f, 0.4f, -3.5f));
+        world_commit(w);
+        rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_DRAFT);
+        desc.sensor_rays = 960;
+        solved s = solve_with(w, &weather, sensor, count, &desc, 600);
+        rsv_daylight_run_desc run = rsv_default_daylight_run_desc();
+        rsv_daylight_report report;
+        run.hourly = lux[k];
+        assert_int_equal(rsv_daylight_run(s.daylight, &weather, &run, &report), RSV_OK);
+        rsv_daylight_report_free(s.daylight, &report);
+        release(&s);
+        world_end(w);
+    }
+    for (int k = 0; k < count; k++)
+        assert_close((double)lux[1][k], (double)lux[0][k], 2e-4 * (double)lux[0][k]);
+}
+
 // ---- errors, threads, input -------------------------------------------------------------------------
 
 enum { seeds = 8, tried = 3 };
@@ -558,7 +616,8 @@ static void run_room(int threads, uint32_t seed, rsv_figure figure[tried])
     world_end(w);
 }
 
-/// Spread over seeds beside what each says of itself: neither half nor, interpolation being in it, three times as much.
+/// Reported standard errors, relative to the spread over seeds: above half, and, because they include the interpolation
+/// error, below three times.
 static void standard_errors_tell_the_spread(void **state)
 {
     (void)state;
@@ -588,7 +647,8 @@ static void threads_change_nothing(void **state)
     assert_memory_equal(one, three, sizeof one);
 }
 
-/// Two rooms with a doorway between them, a row of sensors in each; figures of each are those of its own sensors.
+/// Two rooms with a doorway between them, and a row of sensors in each: the results of a room are those of its own
+/// sensors.
 static void rooms_are_told_apart(void **state)
 {
     (void)state;
@@ -613,32 +673,6 @@ static void rooms_are_told_apart(void **state)
     assert_int_equal(rsv_daylight_rooms(w->scene, sensor, 0, room, &rooms), RSV_OK);
     assert_int_equal(rooms, 0);
     world_end(w);
-}
-
-static void add_pane(world *w, uint32_t pane, bool upright)
-{
-    if (upright)
-        world_quad(w, pane, v3(1, 1, 0), v3(1, 2, 0), v3(3, 2, 0), v3(3, 1, 0));
-    else
-        world_quad(w, pane, v3(1, 3, -3), v3(3, 3, -3), v3(3, 3, -2), v3(1, 3, -2));
-}
-
-/// Walls of 4 by 3 by 5 m around an opening of 2 by 1 m in the roof, in the south wall, or both.
-static void build_lit_room(world *w, bool roof, bool window)
-{
-    uint32_t grey = world_lambert(w, 0.5f, 0);
-    world_box(w, grey, v3(-0.2f, -0.2f, -5.2f), v3(4.2f, 0, 0.2f)); // floor
-    world_box(w, grey, v3(-0.2f, 0, -5), v3(0, 3, 0));
-    world_box(w, grey, v3(4, 0, -5), v3(4.2f, 3, 0));
-    world_box(w, grey, v3(0, 0, -5.2f), v3(4, 3, -5));
-    world_box(w, grey, v3(0, 0, 0), v3(window ? 1 : 4, 3, 0.05f));
-    if (window) world_box(w, grey, v3(3, 0, 0), v3(4, 3, 0.05f));
-    if (window) world_box(w, grey, v3(1, 0, 0), v3(3, 1, 0.05f));
-    if (window) world_box(w, grey, v3(1, 2, 0), v3(3, 3, 0.05f));
-    world_box(w, grey, v3(0, 3, -5), v3(roof ? 1 : 4, 3.05f, 0));
-    if (roof) world_box(w, grey, v3(3, 3, -5), v3(4, 3.05f, 0));
-    if (roof) world_box(w, grey, v3(1, 3, -5), v3(3, 3.05f, -3));
-    if (roof) world_box(w, grey, v3(1, 3, -2), v3(3, 3.05f, 0));
 }
 
 static void openings_are_told_apart(void **state)
@@ -856,6 +890,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(grids_stand_on_floors),
         cmocka_unit_test(rooms_are_told_apart),
         cmocka_unit_test(openings_are_told_apart),
+        cmocka_unit_test(gray_rooms_read_as_tinted_ones),
         cmocka_unit_test(doorways_part_rooms),
         cmocka_unit_test(failing_allocations_are_reported),
     };

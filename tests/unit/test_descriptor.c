@@ -50,7 +50,7 @@ static void assert_says(rsv_status status, const char *first, const char *second
 
 // ---- versions of a descriptor -------------------------------------------------------------------------
 
-/// What rsv_probe_desc was before it had a seed, and what it may be some day.
+/// rsv_probe_desc before it had a seed, and a possible future version.
 typedef struct earlier_probe_desc {
     size_t size;
     rsv_probe_mode mode;

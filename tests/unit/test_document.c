@@ -1,4 +1,4 @@
-/// The file that a scene came from: kept in memory, packed and opened again, written back with light.
+/// The file that a scene came from: kept in memory, packed and unpacked, written back with light.
 #include "io/gltf_archive.h"
 #include "resolvent/bake.h"
 #include "resolvent/io.h"
@@ -153,7 +153,7 @@ static char *read_all(const char *path, size_t *count)
     return bytes;
 }
 
-/// The document is the user's file, byte for byte, wherever its folder has gone.
+/// The document is the user's file, byte for byte, even if its folder has moved.
 static void scenes_keep_their_file_if_they_are_to(void **state)
 {
     const fixture *f = *state;

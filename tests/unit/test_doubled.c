@@ -1,4 +1,4 @@
-/// Faces that lie in the same place: a room whose walls were written twice is the room.
+/// Coincident faces: a room whose walls are written twice equals the room.
 #include "bvh/bvh_trace.h"
 #include "copies_fixture.h"
 #include "core/sampling.h"
@@ -26,7 +26,7 @@ static bool meets_front(const rsv_scene_view *view, const rsv_ray *ray, uint32_t
     return v3_dot(rsv_twin_plane_of(view, triangle).normal, ray->direction) < 0;
 }
 
-/// What rays meet in a room of copied walls, and what in the plain one. From outside, they see the copies.
+/// Hits in a room of copied walls, and in the plain one. From outside, rays hit the copies.
 static void check_rays(copies kind, const world *plain, const world *w, bool outside)
 {
     const rsv_scene_view *view = rsv_scene_get_view(w->scene);
@@ -105,7 +105,7 @@ static void lists_the_copies_of_faces(void **state)
     }
 }
 
-/// Packets, all of whose rays meet few triangles, see what rays see one by one.
+/// Packets whose rays all hit few triangles find the same hits as single rays.
 static void packets_see_what_single_rays_see(void **state)
 {
     (void)state;
@@ -388,7 +388,7 @@ static void overlapping_lamps_shine_once(void **state)
     }
 }
 
-/// A double-sided lamp whose back a black face covers on one half gives the light of a double-sided lamp beside a
+/// A double-sided lamp with half of its back covered by a black face gives the light of a double-sided lamp next to a
 /// single-sided one.
 static void backs_of_lamps_shine_where_nothing_covers_them(void **state)
 {
@@ -536,7 +536,7 @@ static rsv_image *trace_paths(const world *w)
     return image;
 }
 
-/// Glass that is written twice is the glass: a ray that enters sees outward faces alone, and so does one that leaves.
+/// Glass that is written twice equals the glass: rays that enter hit only outward faces, and so do rays that leave.
 static void doubled_bodies_refract_once(void **state)
 {
     (void)state;
@@ -695,7 +695,7 @@ static void many_copies_are_found_quickly(void **state)
     world_end(w);
 }
 
-/// A heap of copies of one triangle must not take the square of their number.
+/// The time for many copies of one triangle must not grow with the square of their number.
 static void a_heap_of_copies_takes_no_square(void **state)
 {
     (void)state;

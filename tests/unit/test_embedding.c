@@ -1,4 +1,4 @@
-/// What a program that embeds the library may get wrong or want to know: scenes that are not committed, ...
+/// Programs that embed the library: typical mistakes, and queries.
 #include "core/sampling.h"
 #include "resolvent/resolvent.h"
 #include "unit/scene_fixture.h"

@@ -1,4 +1,4 @@
-/// One Embree device for all hierarchies, of all contexts that have it.
+/// One Embree device for all hierarchies of all contexts that use it.
 #include "resolvent/resolvent.h"
 #include "trace/embree_internal.h"
 

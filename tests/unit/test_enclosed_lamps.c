@@ -1,4 +1,4 @@
-/// Lamps that something opaque encloses are named; others are not.
+/// Lamps inside an opaque surface are reported; others are not.
 #include "builtin/builtin.h"
 #include "resolvent/scene.h"
 #include "scene_fixture.h"

@@ -1,4 +1,4 @@
-/// Environments: lookup, sampling, irradiance, division, suns, and their way through operator and reference.
+/// Environments: lookup, sampling, irradiance, division, suns, in the operator and in mode reference.
 #include "light_fixture.h"
 #include "slow_tests.h"
 
@@ -38,7 +38,7 @@ static rsv_rgb contrasty_sky(rsv_vec3 d)
     return window ? rgb(30, 25, 20) : rgb(0.5f, 0.5f, 0.6f);
 }
 
-/// Bright patches all around, half of which are behind any surface.
+/// Bright patches all around; half of them are behind any surface.
 static rsv_rgb patchy_sky(rsv_vec3 d)
 {
     bool patch = sinf(9 * d.x) * sinf(9 * d.y + 1) * sinf(9 * d.z + 2) > 0.4f;
@@ -269,7 +269,7 @@ static void a_constant_sky_is_exact(void **state)
     world_end(w);
 }
 
-/// New surroundings through the stored escapes against an operator built under them.
+/// A new environment through the stored escapes, compared with an operator built under it.
 static void turning_the_sky_takes_no_new_rays(void **state)
 {
     (void)state;

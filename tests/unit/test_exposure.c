@@ -1,4 +1,4 @@
-/// The exposure that shows a picture.
+/// Automatic exposure of pictures.
 #include "scene_fixture.h"
 
 #include "resolvent/image.h"
@@ -50,7 +50,7 @@ static void black_pictures_and_what_is_no_number_are_shown_as_they_are(void **st
     }
 }
 
-/// Black surroundings, a lamp that is seen, and dark corners do not count for more than they are.
+/// Black backgrounds, visible lamps and dark corners do not get too much weight.
 static void a_few_pixels_change_little(void **state)
 {
     static const float few[] = { 0, 1e-30f, 1e6f, FLT_MAX, NAN };

@@ -1,4 +1,4 @@
-/// Memory that runs out: whichever allocation fails, the work ends with an error and leaves nothing behind.
+/// Out of memory: whichever allocation fails, the work ends with an error and nothing leaks.
 #include "resolvent/bake.h"
 #include "resolvent/certify.h"
 #include "resolvent/frame.h"

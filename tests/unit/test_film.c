@@ -1,4 +1,4 @@
-/// What films see: depth of field against the circle of confusion, all directions around, a shifted film.
+/// Films: depth of field against the circle of confusion, all directions around, a shifted film.
 #include "scene_fixture.h"
 
 #include "resolvent/render.h"
@@ -197,7 +197,7 @@ static void blur_is_that_of_the_circle_of_confusion(void **state)
     rsv_scene_destroy(scene);
 }
 
-/// Where nobody says what is in focus, it is what is in the middle.
+/// Without a focus distance, the middle of the picture is in focus.
 static void the_middle_is_in_focus_by_default(void **state)
 {
     rsv_scene *scene = lamp_scene(*state, 0);

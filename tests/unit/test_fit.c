@@ -1,4 +1,4 @@
-/// Least squares within bounds, and strengths of lights that meet wanted readings.
+/// Least squares within bounds, and strengths of lights that reach target readings.
 #include "core/sampling.h"
 #include "file_fixture.h"
 #include "fit/bounded.h"
@@ -40,7 +40,7 @@ static problem random_problem(uint32_t seed, bool dependent)
     return p;
 }
 
-/// What the definition says of a minimum, without regard to how it was found.
+/// The conditions of a minimum, by definition, however it was found.
 static void check_minimum(const problem *p, bool one_sided, const double *x)
 {
     double gradient[COLUMNS];
@@ -149,7 +149,7 @@ static void place_points(rsv_fit_wanted wanted[POINTS])
 
 static float lux_of(rsv_rgb e) { return 683 * rgb_luminance(e); }
 
-/// What points read under factors, by relighting and path tracing: the judge.
+/// Readings at the points with the fitted factors, by relighting and path tracing, as the reference.
 static void judge(const rsv_light *light, const rsv_rgb factor[3],
     const rsv_fit_wanted wanted[POINTS], rsv_probe_reading reading[POINTS])
 {
@@ -231,7 +231,8 @@ static void colours_are_found_channel_by_channel(void **state)
     rsv_scene_destroy(scene);
 }
 
-/// More than all lights give: as bright as bounds allow, and told. Kept lights stay.
+/// Targets above what all lights give: the result is as bright as the bounds allow, and is reported. Kept lights do not
+/// change.
 static void what_cannot_be_met_is_told(void **state)
 {
     fixture *f = *state;

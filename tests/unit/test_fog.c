@@ -1,4 +1,4 @@
-/// Fog: its formulas against sums, what a scene takes for fog, and who refuses it.
+/// Fog: its formulas against sums, valid and invalid settings, and commands that refuse it.
 #include "media/fog_run.h"
 #include "media/phase.h"
 #include "resolvent/render.h"
@@ -142,7 +142,7 @@ static void phase_function_is_a_density_with_mean_cosine_g(void **state)
 
 // ---- scenes -----------------------------------------------------------------------------------------
 
-/// A floor, a lamp above it and a camera beside it.
+/// A floor, a lamp above it, and a camera next to it.
 static world *small_scene(void)
 {
     world *w = world_begin(1);
@@ -200,7 +200,8 @@ static void values_out_of_range_are_refused(void **state)
     world_end(w);
 }
 
-/// Without a box of its own fog fills the scene, lamps and cameras included; where it thins upwards, all of space.
+/// Without a box of its own, fog fills the scene, including lamps and cameras. Fog that thins with height fills all of
+/// space.
 static void fog_finds_its_box(void **state)
 {
     (void)state;
@@ -227,7 +228,7 @@ static void fog_finds_its_box(void **state)
     world_end(w);
 }
 
-/// Nobody leaves it out without a word.
+/// No command ignores fog silently.
 static void who_cannot_follow_light_through_fog_says_so(void **state)
 {
     (void)state;

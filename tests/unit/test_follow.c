@@ -1,5 +1,5 @@
-/// Lights that follow what moves: rows that are patched beside rows traced anew, ways there and back, moments beside solves
-/// of these, and what cannot be followed.
+/// Light that follows moving objects: patched rows compared with new ones, motions there and back, moments compared
+/// with new solves, and unsupported motions.
 #include "light_fixture.h"
 #include "light_view.h"
 #include "operator/tracked_rows.h"
@@ -147,7 +147,7 @@ static double mean_of_picture(const rsv_light *light, uint32_t gather_rays)
     return sum / (desc.width * desc.height);
 }
 
-/// Light that has followed an object keeps no bounces of its own: layers are refused, and gather rays bring all of them.
+/// Light that has followed an object has no separate orders: layers are refused, and gather rays include all of them.
 static void pictures_miss_no_bounce(void **state)
 {
     (void)state;
@@ -318,8 +318,8 @@ static double mean_below(const rsv_light *light, float part)
     return sum / (SIDE * SIDE);
 }
 
-/// Random places of an object: means of a light that follows beside those of solves.
-/// @return mean of the differences, over the light
+/// Random positions of an object: means of light that follows compared with those of new solves.
+/// @return mean difference, relative to the light
 static double mean_difference(const char *scene, const char *object, rsv_vec3 reach, int count)
 {
     stage s = open_stage(scene, object);
@@ -472,7 +472,7 @@ static rsv_scene *fold_sheet(rsv_context *context, float fold, bool deforms)
     return scene;
 }
 
-/// Meshes that deform are followed to poses in which other normals turn away from their triangles.
+/// Deforming meshes are followed to poses in which different normals point away from their triangles.
 static void meshes_that_deform_are_followed(void **state)
 {
     (void)state;

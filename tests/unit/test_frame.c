@@ -124,7 +124,8 @@ static void surfaces_of_all_kinds_add_up_to_the_picture(void **state)
     check_frames(mixed_world(true), 1, pixel_count / 200);
 }
 
-/// Glass in glass around the camera and before it, more bodies than the list of media holds, one-sided mirrors.
+/// Glass inside glass around the camera and in front of it, more bodies than the list of media holds, one-sided
+/// mirrors.
 static world *nested_world(void)
 {
     world *w = world_begin(2);
@@ -317,7 +318,8 @@ static world *facing_metals(void)
     return w;
 }
 
-/// Metal that is met by rays of rough lobes is no black body, though no light is stored there: then, 15 % would be missing.
+/// Metal that rays of rough lobes hit must not count as black, although it stores no light: otherwise, 15 % would be
+/// missing.
 static void metals_show_each_other(void **state)
 {
     (void)state;
@@ -356,8 +358,8 @@ static world *balls_in_the_sun(void)
     return w;
 }
 
-/// Highlights that are smaller than a cell are spread over it: they come and go else, and what is rarely shown is lost. Of
-/// balls three pixels wide, 17 % of the light is lost nevertheless, instead of 29 %.
+/// Highlights that are smaller than a cell are spread over it. Otherwise they would flicker, and rare ones would be
+/// lost. Balls three pixels wide still lose 17 % of their light, instead of 29 %.
 static void small_highlights_are_spread_over_cells(void **state)
 {
     (void)state;
@@ -533,7 +535,7 @@ static void guesses_of_the_first_frame_do_not_count_at_rest(void **state)
     world_end(w);
 }
 
-/// A light that is switched off leaves nothing behind, in the first frame already.
+/// A light that is switched off leaves no trace, even in the first frame.
 static void reused_light_goes_with_its_source(void **state)
 {
     (void)state;
@@ -635,7 +637,7 @@ static double pixel_error(const rsv_rgb *a, const rsv_rgb *truth)
     return squares / (sum * sum);
 }
 
-/// What a renderer shows of one view, after frames on the way there or none.
+/// What a renderer shows of one view, after frames on the way there or without them.
 static void show_after(
     rsv_light *solution, const rsv_frame_view *view, int steps, float step, rsv_rgb *shown)
 {

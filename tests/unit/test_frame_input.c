@@ -1,4 +1,4 @@
-/// Frames of whatever a file may hold: never a number that is none, and at rest as bright as mode final.
+/// Frames of any input: no pixel is NaN or infinite, and at rest the brightness is that of mode final.
 #include "frame_fixture.h"
 #include "slow_tests.h"
 

@@ -1,4 +1,4 @@
-/// Surfaces with maps in frames: those that are shaded sixteen pixels at a time look like those that are shaded one by one.
+/// Surfaces with maps in frames: those shaded sixteen pixels at a time look like those shaded one by one.
 #include "frame_fixture.h"
 
 enum { side = 16 };
@@ -31,7 +31,7 @@ static rsv_texture_ref add_noise(world *w, const noise *n, bool packed, rsv_text
     return rsv_default_texture_ref(role, texture);
 }
 
-/// What is on the floor.
+/// Objects on the floor.
 typedef struct ground {
     rsv_material material; ///< without textures
     int least_roughness;   ///< code

@@ -1,4 +1,4 @@
-/// Light of the sky that rows of G gather lives on the coarse elements: these must be split where it bends.
+/// Light of the sky that rows of G gather is stored on coarse elements, which must be split where it has a kink.
 #include "light_fixture.h"
 #include "solve/light.h"
 #include "sources/polygon_irradiance.h"

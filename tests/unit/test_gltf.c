@@ -1,4 +1,4 @@
-/// glTF: what is written is read back; every encoding the format allows; hostile and broken files.
+/// glTF: written files are read back; every encoding that the format allows; hostile and broken files.
 #include "gltf_fixture.h"
 #include "slow_tests.h"
 

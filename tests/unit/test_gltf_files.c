@@ -1,4 +1,5 @@
-/// Files as people have them: buffers too long and too short, names with odd characters, other versions, hostile depths.
+/// Files as they occur in practice: buffers too long and too short, names with odd characters, other versions, extreme
+/// depths.
 #include "gltf_fixture.h"
 #include "slow_tests.h"
 
@@ -15,7 +16,7 @@ static const char *write_text(const folder *place, const char *name, const char 
     return path;
 }
 
-/// `bytes` of them, of which the first are the square.
+/// Writes the first `bytes` bytes of a buffer that begins with the square.
 static void write_square(const folder *place, const char *name, size_t bytes)
 {
     buffer b = square_buffer();
@@ -53,7 +54,7 @@ static void buffers_may_be_longer_than_they_say(void **state)
     remove_folder(place.path);
 }
 
-/// Of a file that seems huge, no more is read than is asked for.
+/// Reads no more of a huge file than requested.
 static void a_huge_buffer_file_is_read_as_far_as_it_is_needed(void **state)
 {
     folder place = new_folder();
@@ -161,7 +162,7 @@ static void broken_data_uris_are_refused_in_our_words(void **state)
     remove_folder(place.path);
 }
 
-/// Any media type will do, and base64 as it is found: in lines, of URLs, with its padding escaped or left out.
+/// Any media type is accepted, and base64 in all usual forms: in lines, URL-safe, with its padding escaped or left out.
 static void data_uris_of_all_kinds_are_read(void **state)
 {
     static const char *const uri[] = {
@@ -184,7 +185,7 @@ static void data_uris_of_all_kinds_are_read(void **state)
     remove_folder(place.path);
 }
 
-/// A buffer that nobody needs may be missing; one that is needed is named with who needs it.
+/// A missing buffer is an error only if it is needed; the message names what needs it.
 static void buffers_without_data_are_named_where_they_are_needed(void **state)
 {
     folder place = new_folder();

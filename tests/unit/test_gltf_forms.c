@@ -1,4 +1,4 @@
-/// Forms that a glTF mesh takes beside its plain one: morph targets, skins, instances; and what is hidden.
+/// Other forms of glTF meshes: morph targets, skins, instances; and hidden meshes.
 #include "gltf_fixture.h"
 
 #include "scene/material_at.h"
@@ -481,7 +481,7 @@ static void lights_of_an_unknown_type_are_left_out_by_name(void **state)
     remove_folder(place.path);
 }
 
-/// Three nodes, one light and one camera: the nodes' names tell them apart.
+/// Three nodes, one light and one camera: the names of the nodes distinguish them.
 static void lights_and_cameras_know_their_nodes(void **state)
 {
     folder place = new_folder();
@@ -548,7 +548,7 @@ static void opacity_equal_to_the_cutoff_is_opaque(void **state)
     remove_folder(place.path);
 }
 
-/// What is more opaque than the cutoff is opaque, also where neither a texture nor vertices say how much.
+/// Where opacity is above the cutoff, the surface is opaque, also without a texture or vertex colours.
 static void what_a_cutoff_leaves_lets_nothing_through(void **state)
 {
     folder place = new_folder();

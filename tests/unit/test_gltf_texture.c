@@ -1,4 +1,4 @@
-/// Pictures in glTF files: where they may lie, how they are laid on, and what becomes of bad ones.
+/// Images in glTF files: where they can be stored, how they are applied, and how bad ones are reported.
 #include "file_fixture.h"
 
 #include "resolvent/image.h"
@@ -23,7 +23,7 @@
     "\"indices\":2,\"material\":0}]}],\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],"      \
     "\"scene\":0,\"asset\":{\"version\":\"2.0\"}"
 
-/// Writes "scene.gltf": the square under a material, with whatever `rest` adds.
+/// Writes "scene.gltf": the square with a material, and the members in `rest`.
 static const char *write_scene(const folder *at, const char *material, const char *rest)
 {
     static char text[4096];

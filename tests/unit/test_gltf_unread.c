@@ -1,7 +1,7 @@
-/// What of a glTF file is not read is named, once, with what it affects.
+/// Each part of a glTF file that is not read is named once, with what it affects.
 #include "gltf_fixture.h"
 
-/// One object of each kind that the format has; % marks where something unknown is put in.
+/// One object of each kind of the format; % marks where something unknown is inserted.
 static const char everything[] =
     "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"lamp\",\"type\":\"spot\","
     "\"spot\":{%}%}]%}%}%,"
@@ -54,7 +54,7 @@ static bool in_extensions(size_t mark)
     return false;
 }
 
-/// Puts `insert` in at mark `which` and nothing at the others. SIZE_MAX = at none.
+/// Inserts `insert` at mark `which` and nothing at the others. SIZE_MAX = at none.
 static void fill_in(char *text, size_t which, const char *insert)
 {
     size_t mark = 0;
@@ -197,7 +197,7 @@ static void each_is_named_once_with_how_many_it_affects(void **state)
 #define CAMERA(camera, node)                                                                       \
     "\"cameras\":[{" camera "}],\"nodes\":[{\"mesh\":0},{\"name\":\"n\",\"camera\":0" node "}]"
 
-/// What cannot be shown as it is said is told, and the rest is shown.
+/// Unsupported features are reported, and the rest is shown.
 static void oddities_are_told_and_the_rest_is_shown(void **state)
 {
     static const struct {
@@ -273,7 +273,7 @@ static void oddities_are_told_and_the_rest_is_shown(void **state)
     remove_folder(place.path);
 }
 
-/// A hundred thousand different properties are not a hundred thousand lines.
+/// A hundred thousand different properties do not give a hundred thousand lines.
 static void hostile_variety_is_cut_short(void **state)
 {
     enum { VARIETY = 100000 };

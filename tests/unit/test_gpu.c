@@ -1,5 +1,5 @@
-/// The GPU's code, on a device that the processor emulates: everything but the launches themselves. `test_gpu cuda` runs
-/// the same on a real device and is skipped where there is none.
+/// The GPU's code, on a GPU emulated on the CPU: everything except the launches themselves. `test_gpu cuda` runs the
+/// same on a real device and is skipped where there is none.
 #include "resolvent/device.h"
 
 #include "light_view.h"
@@ -88,7 +88,7 @@ static rsv_rgb *noise(size_t count)
 /// Float sums of some hundred terms in another order.
 #define ROUNDING 1e-6
 
-/// A and the residual of three fields at once, on the device and on the processor.
+/// A and the residual of three fields at once, on the device and on the CPU.
 static void compare_products(const char *scene)
 {
     rig r;

@@ -1,5 +1,5 @@
-/// Direct light that a device finds against that of the processor, on a device that the processor emulates;
-/// `test_gpu_direct cuda` runs the same on a real one.
+/// Direct light computed by a device compared with that of the CPU, on an emulated device; `test_gpu_direct cuda` runs
+/// the same on a real one.
 #include "core/device.h"
 #include "direct/direct.h"
 #include "light_fixture.h"
@@ -80,7 +80,7 @@ static double sum_of(const rsv_light *s, const rsv_rgb *value)
     return sum;
 }
 
-/// Nodes that differ by more than rounding: rays within rounding of an edge do.
+/// Nodes that differ by more than rounding: those with rays within rounding of an edge.
 static size_t count_different(const rsv_light *s, const pass *a, const pass *b, double mean)
 {
     size_t different = 0;
@@ -154,7 +154,7 @@ static void lamps_light_as_on_the_processor(void **state)
     rsv_device_close(device);
 }
 
-/// A floor, a coated one beside it, a block upon them; a lamp within glass that dims.
+/// A floor, a coated one next to it, a block on both, and a lamp inside tinted glass.
 static void build_yard(world *w)
 {
     rsv_material coated = lambert_material(0.6f, 0), dim = glass_material();
@@ -291,8 +291,9 @@ static void many_lamps_light_as_on_the_processor(void **state)
 
 // ---- what can go wrong --------------------------------------------------------------------------
 
-/// A pass on a device that is lost sooner or later. @param fail_after launches, once there is a solution; 0 = never
-/// @return what it says; where the device is optional, it finds what the processor does
+/// A pass on a device that fails at some point.
+/// @param fail_after launches after which it fails, once there is a solution; 0 = never
+/// @return its status; if the device is optional, the result is that of the CPU
 static rsv_status find_on(const rsv_device_desc *desc, uint64_t fail_after)
 {
     rsv_device *device = open_device(desc);

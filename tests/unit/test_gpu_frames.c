@@ -1,5 +1,5 @@
-/// Frames made by a device against the pictures of rsv_render, on a device that the processor emulates;
-/// `test_gpu_frames cuda` runs the same on a real one.
+/// Frames rendered by a device compared with pictures of rsv_render, on an emulated device; `test_gpu_frames cuda` runs
+/// the same on a real one.
 #include "copies_fixture.h"
 #include "frame/frame_device.h"
 #include "frame_fixture.h"
@@ -36,7 +36,7 @@ static double luminance_sum(const rsv_rgb *pixel)
     return sum;
 }
 
-/// Behind a few curved surfaces, rounding can end a specular path beyond an edge. The mean must not care.
+/// Behind a few curved surfaces, rounding can send a specular path past an edge. This must not affect the mean.
 static void compare(
     const rsv_frame_renderer *renderer, uint32_t eye, const rsv_rgb *picture, size_t allowed)
 {
@@ -248,7 +248,7 @@ static void show_textured(rsv_device *device, rsv_rgb *radiance)
     world_end(w);
 }
 
-/// The same random numbers: but for rays that rounding sends beyond an edge, the same picture.
+/// With the same random numbers, the picture is the same, except where rounding sends a ray past an edge.
 static void textures_and_rough_lobes_are_shown(void **state)
 {
     (void)state;

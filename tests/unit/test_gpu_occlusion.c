@@ -1,5 +1,5 @@
-/// Ambient occlusion found by a device against that of the processor, on a device that the processor emulates;
-/// `test_gpu_occlusion cuda` runs the same on a real one.
+/// Ambient occlusion computed by a device compared with that of the CPU, on an emulated device; `test_gpu_occlusion
+/// cuda` runs the same on a real one.
 #include "light_fixture.h"
 #include "occlusion/occlusion_view.h"
 #include "resolvent/device.h"
@@ -135,7 +135,7 @@ static void skies_lamps_and_backs_count(void **state)
 
 // ---- what the device cannot do ------------------------------------------------------------------
 
-/// @return what a picture says on such a device; where it is optional, the picture is that of the processor
+/// @return the status of a picture on such a device; if the device is optional, the picture is that of the CPU
 static rsv_status render_on(const rsv_device_desc *desc)
 {
     rsv_device *device = open_device(desc);

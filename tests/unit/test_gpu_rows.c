@@ -1,5 +1,5 @@
-/// Rows of G whose rays a device traces against those of the processor, on a device that the processor emulates;
-/// `test_gpu_rows cuda` runs the same on a real one.
+/// Rows of G whose rays a device traces compared with those of the CPU, on an emulated device; `test_gpu_rows cuda`
+/// runs the same on a real one.
 #include "copies_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
@@ -167,7 +167,7 @@ static void chains_go_on_from_where_the_device_leaves_them(void **state)
     check_builtin("cornell-spheres", 0.02);
 }
 
-/// @return what solving says on such a device; where it is optional, the solution is that of the processor
+/// @return the status of a solve on such a device; if the device is optional, the solution is that of the CPU
 static rsv_status solve_on(const rsv_device_desc *desc)
 {
     rsv_device *device = open_device_as(desc);

@@ -1,5 +1,5 @@
-/// Photons that a device shoots against those of the processor, on a device that the processor emulates;
-/// `test_gpu_shooting cuda` runs the same on a real one.
+/// Photons shot by a device compared with those of the CPU, on an emulated device; `test_gpu_shooting cuda` runs the
+/// same on a real one.
 #include "core/device.h"
 #include "direct/photons.h"
 #include "light_fixture.h"
@@ -166,8 +166,9 @@ static void rough_lobes_pass_light_on_as_on_the_processor(void **state)
 
 // ---- what can go wrong --------------------------------------------------------------------------
 
-/// A shot on a device that may fail. @param fail_after launches, once there is a solution; 0 = never
-/// @return what it says; where the device is optional, it finds what the processor does
+/// A shot on a device that may fail.
+/// @param fail_after launches after which it fails, once there is a solution; 0 = never
+/// @return its status; if the device is optional, the result is that of the CPU
 static rsv_status shoot_on(const rsv_device_desc *desc, uint64_t fail_after)
 {
     rsv_device *device = open_device(desc);

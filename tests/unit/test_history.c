@@ -1,4 +1,4 @@
-/// Solving a scene again after an edit, from what the solution before knew.
+/// Solving a scene again after an edit, with results of the previous solve.
 #include "history_fixture.h"
 #include "slow_tests.h"
 #include "update/material_keys.h"

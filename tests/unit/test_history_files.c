@@ -1,4 +1,4 @@
-/// Files of what a solve knew, damaged and forged.
+/// Damaged and forged files of the previous solve.
 #include "elements/elements.h"
 #include "elements/open_corners.h"
 #include "history_fixture.h"

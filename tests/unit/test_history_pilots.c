@@ -1,7 +1,7 @@
 /// Pilots and budgets of a scene that is solved again after an edit.
 #include "history_fixture.h"
 
-/// Pilots gather light of the sky anew near an edit, and take what they know of the rest.
+/// Pilots gather light of the sky again near an edit, and reuse the rest.
 static void pilots_split_under_a_sky_after_an_edit(void **state)
 {
     (void)state;

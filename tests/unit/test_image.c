@@ -499,7 +499,7 @@ static void write_hdr(const char *path, const char *header, const uint8_t (*code
     fclose(file);
 }
 
-/// Whatever its name, a picture is what its first bytes say; what is wrong is said in our words.
+/// The first bytes of a file, not its name, decide its format. Messages are in our words.
 static void pictures_are_told_by_their_content(void **state)
 {
     (void)state;
@@ -935,8 +935,8 @@ static void jpeg_with_an_oversized_huffman_table_is_refused(void **state)
     expect_failure(path_of("huffman.jpg"), RSV_ERROR_FORMAT, "Huffman table");
 }
 
-/// As many pixels as no file of that size can hold: nothing is decoded.
-/// The decoder takes what lies in its memory for the tables.
+/// More pixels than a file of this size can hold: nothing is decoded. Otherwise, the decoder would use uninitialised
+/// memory as tables.
 static void jpeg_whose_scan_lacks_a_table_is_refused(void **state)
 {
     (void)state;
@@ -961,7 +961,7 @@ static void jpeg_with_more_pixels_than_bits_is_refused(void **state)
     expect_failure(path_of("wide.jpg"), RSV_ERROR_FORMAT, "4096 x 4096 pixels do not fit in");
 }
 
-/// A chunk of almost 2 GiB in a file of 63 bytes: no memory is taken for it.
+/// A chunk of almost 2 GiB in a file of 63 bytes: no memory is allocated for it.
 static void png_that_ends_within_a_chunk_is_refused(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// KTX2 pictures, written here byte by byte: every format and packing that is read, and what is refused.
+/// KTX2 images, written here byte by byte: every supported format and compression, and files that are refused.
 #include "core/core.h"
 #include "io/image_ktx.h"
 

@@ -222,7 +222,7 @@ static rsv_scene *make_scene(rsv_context *context, const triangle *triangles, si
     return scene;
 }
 
-/// Lights over a scene, with what they borrow.
+/// Lights of a scene, with the objects that they borrow.
 typedef struct fixture {
     rsv_context *context;
     rsv_scene *scene;

@@ -1,4 +1,4 @@
-/// Pictures mixed from what each source shows, against pictures of the light itself.
+/// Pictures mixed from one picture per source, compared with pictures of all light together.
 #include "frame_fixture.h"
 #include "picture_judge.h"
 #include "resolvent/lightmix.h"
@@ -146,7 +146,7 @@ static void any_strengths_are_a_sum(void **state)
     check_strengths(false);
 }
 
-/// Sources that are off to begin with are rendered once they shine, and what nobody lights at all is black.
+/// Sources that are off at first are rendered once they shine. Without any light, pictures are black.
 static void sources_are_rendered_when_they_shine(void **state)
 {
     (void)state;

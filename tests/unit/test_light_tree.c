@@ -1,4 +1,4 @@
-/// The light tree: what it draws, how often, and how well; ten thousand lights of each kind.
+/// The light tree: which lights it samples, with what probability and noise; ten thousand lights of each kind.
 #include "light_fixture.h"
 #include "slow_tests.h"
 

@@ -1,4 +1,4 @@
-/// What strengths of lights mean in files: by who wrote them, and by what the caller says.
+/// Units of light strengths in files: by the program that wrote the file, and by the caller's choice.
 #include "gltf_fixture.h"
 
 typedef struct lamp {
@@ -88,7 +88,7 @@ static void blender_means_the_same_lamp_in_whatever_way_it_is_written(void **sta
     remove_folder(place.path);
 }
 
-/// Watts that nobody typed, such as animated ones, say nothing; other lights do, or else the version.
+/// Watts that are not a round number, such as animated ones, decide nothing; other lights do, or else the version.
 static void strengths_of_many_digits_follow_the_other_lights_or_the_version(void **state)
 {
     static const struct {

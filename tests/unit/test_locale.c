@@ -1,4 +1,4 @@
-/// The library in a program whose locale writes 1,5: files keep their points.
+/// The library in a program whose locale writes 1,5: files still use decimal points.
 #include "core/number_text.h"
 #include "file_fixture.h"
 #include "light_fixture.h"

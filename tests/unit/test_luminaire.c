@@ -1,4 +1,4 @@
-/// Files of luminaires: intensities, symmetries, flux, and what is wrong with files.
+/// Luminaire files: intensities, symmetries, flux, and errors in files.
 #include "file_fixture.h"
 #include "luminaire_fixture.h"
 

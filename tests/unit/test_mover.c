@@ -1,4 +1,5 @@
-/// An object that moves against scenes that hold it: its light, its shadow, its images, and walls that keep light out.
+/// A moving object compared with scenes that contain it: its light, its shadow, its mirror images, and walls that light
+/// must not pass.
 #include "resolvent/frame.h"
 #include "resolvent/mover.h"
 #include "resolvent/render.h"

@@ -1,4 +1,4 @@
-/// Modes occlusion against closed forms: configuration factors of what hides the sky.
+/// Modes occlusion against closed forms: configuration factors of the objects that hide the sky.
 #include "builtin/builtin.h"
 #include "resolvent/render.h"
 #include "unit/scene_fixture.h"

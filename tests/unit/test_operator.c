@@ -188,7 +188,7 @@ static void rows_of_a_closed_room_sum_to_one(void **state)
     destroy_rows(&r);
 }
 
-/// Facets with interpolated normals trap a ray in ten thousand for ever; nothing else is lost.
+/// Facets with interpolated normals trap one ray in ten thousand for ever; no other light is lost.
 static void rows_of_a_room_with_mirror_and_glass_sum_to_one(void **state)
 {
     (void)state;
@@ -204,7 +204,7 @@ static void rows_of_a_room_with_mirror_and_glass_sum_to_one(void **state)
     destroy_rows(&r);
 }
 
-/// Coloured glass, metal, blocks on the floor and an open front: whatever happens, nothing is gained.
+/// Coloured glass, metal, blocks on the floor and an open front: no path gains energy.
 static void no_row_sums_to_more_than_one(void **state)
 {
     (void)state;
@@ -502,7 +502,7 @@ static rsv_vec3 sphere_direction(uint32_t index)
     return rsv_square_to_sphere(x, y);
 }
 
-/// Every specular path through clear glass ends on the wall with weight 1, whatever its way.
+/// Every specular path through clear glass ends on the wall with weight 1, by any route.
 static void chains_through_clear_glass_keep_their_weight(void **state)
 {
     (void)state;
@@ -588,7 +588,7 @@ static void a_clear_slab_splits_light_and_loses_none(void **state)
     world_end(w);
 }
 
-/// What becomes of trapped paths, each of which ends by roulette.
+/// Trapped paths, each ended by Russian roulette.
 typedef struct endings {
     double events; ///< of all paths after those that every path may have
     uint32_t count;
@@ -739,7 +739,7 @@ static world *floor_below_mirror(void)
     return w;
 }
 
-/// One shooter for many rounds: each finds what one of its own would, and no pilot ray is traced again.
+/// One shooter for many rounds: each round finds the same as a new shooter would, and no pilot ray is traced again.
 static void a_shooter_may_be_used_again(void **state)
 {
     (void)state;

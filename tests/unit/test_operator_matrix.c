@@ -1,4 +1,4 @@
-/// The factors of G K as matrices make the operator that the library applies; elements are where they say they are.
+/// The factors of G K as matrices equal the operator that the library applies; elements are at their stated positions.
 #include "light_view.h"
 #include "resolvent/render.h"
 

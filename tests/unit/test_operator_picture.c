@@ -1,4 +1,4 @@
-/// Pictures of mode operator made of frames, against those of rsv_render.
+/// Pictures of mode operator made from frames, compared with those of rsv_render.
 #include "frame_fixture.h"
 #include "picture_judge.h"
 

@@ -1,4 +1,4 @@
-/// Operator files: what is read is what was written, and whatever is wrong with a file is said.
+/// Operator files: a file reads back as it was written, and every error in a file is reported.
 #include "resolvent/opfile.h"
 #include "resolvent/render.h"
 
@@ -530,7 +530,7 @@ static void numbers_that_are_none_are_refused(void **state)
     end_specimen(&s);
 }
 
-/// Whatever a tensor is overwritten with: refused, or as good as any scene.
+/// A tensor overwritten with anything: the file is refused, or gives a valid scene.
 static void no_signed_content_leads_astray(void **state)
 {
     specimen s = new_specimen(state);

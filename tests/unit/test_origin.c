@@ -1,4 +1,4 @@
-/// Places far from the origin: what all have in common is taken out on reading, and put back on writing.
+/// Scenes far from the origin: the common offset is subtracted when reading, and added when writing.
 #include "gltf_fixture.h"
 
 /// A room of 4 x 3 x 5 m with a lamp and a camera, all below one node; % is where that node is.
@@ -95,7 +95,7 @@ static void what_is_taken_out_is_told(void **state)
     remove_folder(place.path);
 }
 
-/// A cube at the origin does not keep the room beside it from being far away.
+/// A room far away is recognised as such even if the file also has a cube at the origin.
 static void what_is_left_at_the_origin_does_no_harm(void **state)
 {
     fixture *f = *state;

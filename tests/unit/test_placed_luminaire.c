@@ -1,4 +1,4 @@
-/// Measured luminaires that light scenes: flux, near fields, mirrors, files.
+/// Measured luminaires in scenes: flux, near fields, mirrors, files.
 #include "file_fixture.h"
 #include "luminaire_fixture.h"
 
@@ -122,7 +122,7 @@ static rsv_vec3 spread(int k, int count)
     return v3((float)(across * cos(turn)), (float)up, (float)(across * sin(turn)));
 }
 
-/// What receivers all around a light get of it, against the integral of its file.
+/// Light that receivers all around a luminaire get from it, compared with the integral of its file.
 static void check_flux(rsv_context *context, char *text)
 {
     enum { directions = 100000, probes = 3000 };
@@ -230,7 +230,7 @@ static void openings_light_like_surfaces_and_points_by_the_law(void **state)
     }
 }
 
-/// A floor beside a wall that is a mirror: lit by the lamp and its image.
+/// A floor next to a mirror wall, lit by the lamp and its mirror image.
 static void light_is_reflected_by_mirrors(void **state)
 {
     fixture *f = *state;

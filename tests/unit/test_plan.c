@@ -1,4 +1,4 @@
-/// Pictures by error and by time: that they are as good as the plan says, the same on any number of threads, and in time.
+/// Pictures planned by error and by time: as accurate as planned, the same for any number of threads, and in time.
 #include "light_fixture.h"
 #include "plan/allocation.h"
 #include "plan/pixel_error.h"
@@ -45,7 +45,7 @@ static rsv_image *path_traced(const world *w, uint32_t size, uint32_t samples, u
     return image;
 }
 
-/// The judges' noise cancels; what the plan promises is kept within a quarter of the error.
+/// The noise of the references cancels; the planned error is met within a quarter.
 static void a_picture_errs_as_much_as_was_asked_for(void **state)
 {
     (void)state;

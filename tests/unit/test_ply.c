@@ -1,4 +1,4 @@
-/// Stanford polygons as programs write them, text and binary, become what their authors meant, or one line of error.
+/// PLY files as programs write them, text and binary: read as intended, or refused with one line of error.
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
 
@@ -21,7 +21,7 @@ static rsv_scene *load(fixture *f, const void *bytes, size_t count)
     return load_written(f, path_in(&files, "a.ply"), bytes, count);
 }
 
-/// Looks at what became of a file whose points reach (2, 3).
+/// Checks the scene from a file whose points reach (2, 3).
 static void check(
     fixture *f, const void *bytes, size_t count, size_t triangles, const char *warning)
 {

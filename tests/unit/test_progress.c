@@ -1,4 +1,5 @@
-/// One bar per command: it goes forward only, whatever phases the library reports, and its guess of the time left is of the right size.
+/// One bar per command: it only moves forward, whatever phases the library reports, and its estimate of the time left
+/// is of the right order.
 #include "progress.h"
 
 #include <setjmp.h>

@@ -1,4 +1,4 @@
-/// Rows taken over from before the scene was edited: ray by ray those that a full build traces.
+/// Rows taken over from before an edit of the scene: ray by ray the same as in a full build.
 #include "elements/burial.h"
 #include "elements/contact.h"
 #include "elements/spacing.h"
@@ -10,7 +10,7 @@
 
 enum { RAYS = 256, SEED = 1, NAME_BYTES = 64 };
 
-/// What is edited. All lengths in metres.
+/// The edit. All lengths are in metres.
 typedef struct room {
     float box_at;       ///< x of a box on the floor; negative = there is none
     float albedo;       ///< of that box
@@ -266,7 +266,7 @@ static size_t count_found(const rsv_row_reader *files)
     return found;
 }
 
-/// Another process writes over the second half of a file of rows that is mapped.
+/// Another process overwrites the second half of a mapped file of rows.
 static void records_written_over_meanwhile_are_not_taken(void **state)
 {
     (void)state;

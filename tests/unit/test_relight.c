@@ -35,7 +35,7 @@ static world *lit_box(const float scale[3])
     return w;
 }
 
-/// Without pilots, so that elements do not depend on the light, and without photons, whose aim does.
+/// Without pilots, so that elements do not depend on the light, and without photons, because their directions do.
 static rsv_light *solve(const world *w, bool direct_level)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
@@ -576,7 +576,7 @@ static void sixteen_receivers_see_what_one_does(void **state)
     }
 }
 
-/// A light that comes later, moved and scaled besides, is one that had been there from the start.
+/// A light that is added later, then moved and scaled, equals one that was there from the start.
 static void added_lights_are_those_of_a_fresh_solve(void **state)
 {
     (void)state;
@@ -647,7 +647,7 @@ static void steps_lead_to_the_solution(void **state)
     world_end(w);
 }
 
-/// Changes strengths of a prepared relighter and compares what it shows at once with what it shows at rest.
+/// Changes strengths of a prepared relighter and compares the immediate result with the result at rest.
 static void check_at_once(rsv_relighter *r, rsv_light *s, const rsv_relight_desc *desc)
 {
     size_t nodes = inside(s)->elements->node_count;
@@ -893,7 +893,7 @@ static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
     world_end(w);
 }
 
-/// Whatever was moved, scaled and painted: back at the start the light is what it was, byte by byte, and at once.
+/// After any moves, scalings and colour changes, going back to the start restores the light byte for byte, and at once.
 static void going_back_ends_where_it_began(void **state)
 {
     (void)state;

@@ -102,7 +102,7 @@ static void corrections_reach_every_pixel(void **state)
     }
 }
 
-/// However unevenly paths are spread, what they find is not.
+/// Paths may be spread unevenly; their result is not.
 static void the_mean_is_that_of_pixels(void **state)
 {
     (void)state;

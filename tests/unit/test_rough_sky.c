@@ -21,7 +21,7 @@ static void add_ceiling(world *w, uint32_t black)
                     v3(edge[i + 1], 1, edge[j + 1]), v3(edge[i], 1, edge[j + 1]));
 }
 
-/// Under a sky of radiance 1; the camera sees a patch of the plate as large as a coin.
+/// Under a sky of radiance 1. The camera sees a coin-sized patch of the plate.
 static world *room_with_skylight(float roughness)
 {
     static const rsv_rgb sky = { 1, 1, 1 };

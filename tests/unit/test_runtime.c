@@ -181,7 +181,7 @@ static void the_basis_route_is_relight(void **state)
 typedef rsv_status (*bake_function)(const rsv_light *solution, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report);
 
-/// What is stored in four places of each triangle.
+/// The stored light at four points of each triangle.
 static rsv_status bake_places(const rsv_light *solution, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
@@ -200,7 +200,7 @@ static rsv_status bake_places(const rsv_light *solution, const char *output,
     return status;
 }
 
-/// A box with its lamp, with a basis and an operator beside it. Direct light lies on the elements of the rows.
+/// A box with its lamp, with a basis and an operator. Direct light is given at the elements that have rows.
 static void bake_box(const solved_file *f, bake_function bake)
 {
     char input[256], output[256];

@@ -1,4 +1,4 @@
-/// Parts of a scene from one process to another: all arrive, and whatever arrives does no harm.
+/// Parts of a scene sent from one process to another: all arrive, and damaged ones do no harm.
 #include "io/scene_parts.h"
 
 #include "core/core.h"

@@ -72,7 +72,7 @@ static void add_card(world *w, float cutoff, float opacity)
     world_textured_quad(w, "card", m, corner, uv);
 }
 
-/// From above, at a slant.
+/// From above, at an angle.
 static void add_camera(world *w, float size)
 {
     rsv_vec3 forward = v3_normalize(v3(0, -1, -0.5f)), right = v3(1, 0, 0);
@@ -173,8 +173,8 @@ static void rays_pass_what_is_left_uncovered(void **state)
     world_end(w);
 }
 
-/// The same card, blended and cut out, gives the same picture, and the same stored light. Photons used to carry what
-/// passes: 0.45, 0.35 and 0.0006 of relative error.
+/// The same card, blended and cut out, gives the same picture and the same stored light. (An earlier version used
+/// photons for the light that passes: relative errors of 0.45, 0.35 and 0.0006.)
 static void blended_cards_shade_like_cut_out_ones(void **state)
 {
     (void)state;
@@ -457,7 +457,7 @@ static void coarse_bodies_gather_all_light(void **state)
     world_end(w);
 }
 
-/// A sphere of which a little stands out below the floor that it lies on, and bright light beneath: none of it gets above.
+/// A sphere that protrudes slightly from the floor, with bright light below the floor: none of it gets above.
 static void light_does_not_leak_where_bodies_touch(void **state)
 {
     (void)state;

@@ -120,7 +120,7 @@ static void take_halves(const rsv_scene *scene, rsv_render_mode mode, double hal
     rsv_light_destroy(light);
 }
 
-/// Under a white sky a wall of one quad, seen from behind, is as bright as from its front, in every mode.
+/// Under a white sky, a wall of one quad has the same brightness from behind as from the front, in every mode.
 static void a_wall_of_one_quad_is_lit_from_both_sides(void **state)
 {
     static const rsv_render_mode modes[] = { RSV_RENDER_OPERATOR, RSV_RENDER_FINAL,

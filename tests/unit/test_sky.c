@@ -68,7 +68,7 @@ static rsv_vec3 direction_of(double elevation, double azimuth)
         (float)(-cos(elevation) * cos(azimuth)) };
 }
 
-/// Luminances over that at the zenith which the formulas of the standard give, worked out by hand for types 1, 5 and 12.
+/// Luminances relative to the zenith from the formulas of the standard, computed by hand for types 1, 5 and 12.
 static void standard_skies_have_their_shapes(void **state)
 {
     (void)state;
@@ -348,7 +348,7 @@ static void bad_weather_files_are_refused(void **state)
 
 // ---- beside Radiance ------------------------------------------------------------------------------
 
-/// Of the reference's patches: hours, and the luminance (over 179) of each patch.
+/// Patches of the reference: hours, and the luminance of each patch divided by 179.
 enum { hour_limit = 8 };
 
 static size_t read_reference(

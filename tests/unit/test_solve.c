@@ -475,7 +475,7 @@ static void an_open_lossless_scene_is_solved(void **state)
     world_end(w);
 }
 
-/// A sealed white room inside another one: the light outside is no worse for it.
+/// A sealed white room inside another one: it does not affect the light outside.
 static void lossless_pockets_are_left_dark(void **state)
 {
     (void)state;

@@ -150,7 +150,7 @@ static void a_good_guess_saves_work(void **state)
     world_end(w);
 }
 
-/// Whatever happens, the answer is finite, no worse than the guess, and its residual is reported.
+/// In all cases the answer is finite and no worse than the initial guess, and its residual is reported.
 static rsv_linear_report check_hopeless(dense_map *m, rsv_solver solver, double most_residual)
 {
     float x[3 * DENSE_MAX] = { 0 }, b[3 * DENSE_MAX];
@@ -231,7 +231,7 @@ static void a_budget_of_applications_is_kept(void **state)
     world_end(w);
 }
 
-/// Two RGB systems side by side are what they are one by one.
+/// Two RGB systems solved together give the same results as one by one.
 static void many_columns_are_solved_like_one(void **state)
 {
     (void)state;
@@ -324,7 +324,7 @@ static double leading_value(const rsv_linear_map *map)
     return leading.value;
 }
 
-/// Of matrices whose other eigenvalues are as large, with the other sign; that mix slowly; that are 0.
+/// Matrices whose other eigenvalues are as large, with the opposite sign; that mix slowly; that are 0.
 static void the_leading_eigenvalue_is_found(void **state)
 {
     (void)state;
@@ -685,8 +685,8 @@ static void a_lossy_scene_has_one_answer(void **state)
     discard(&q);
 }
 
-/// A closed lossless class of nodes beside an open one: solutions of the homogeneous equation live in the first,
-/// and light in the second alone is no trouble to them.
+/// A closed lossless class of nodes next to an open one: solutions of the homogeneous equation are in the first, and do
+/// not disturb light that is only in the second.
 static void a_lossless_part_is_compatible_with_light_elsewhere(void **state)
 {
     (void)state;

@@ -80,7 +80,7 @@ static bool is_medium(const rsv_specular_media *m, uint8_t number, const rsv_med
            memcmp(listed->body, medium->body, medium->depth * sizeof *medium->body) == 0;
 }
 
-/// From any listed medium across the surface of any body.
+/// From any listed medium, through the surface of any body.
 static void media_follow_the_bodies(void **state)
 {
     (void)state;

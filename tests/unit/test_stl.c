@@ -1,4 +1,4 @@
-/// STL as programs write it, text and binary, becomes what its author meant, or one line of error.
+/// STL as programs write it, text and binary: read as intended, or refused with a one-line message.
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
 
@@ -25,7 +25,7 @@ static rsv_scene *load(fixture *f, const void *bytes, size_t count)
     return load_written(f, path_in(&files, "a.stl"), bytes, count);
 }
 
-/// Reads a text and looks at what became of it.
+/// Reads a text and checks the result.
 static void check_text(fixture *f, const char *text, size_t triangles, const char *warning)
 {
     rsv_scene *scene = load(f, text, strlen(text));
@@ -92,7 +92,7 @@ static void solids_keep_their_names(void **state)
     rsv_scene_destroy(scene);
 }
 
-/// A head, a count and two triangles that reach (2, 3), with so many bytes cut off or put behind.
+/// A header, a count and two triangles that reach (2, 3), with this many bytes removed or appended.
 static rsv_scene *load_binary(fixture *f, const char *head, uint32_t count, int more, int attribute)
 {
     uint8_t bytes[84 + 100 + 600] = { 0 };

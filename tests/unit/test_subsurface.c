@@ -46,7 +46,7 @@ static void dipole_albedo_inverts_its_reflectance(void **state)
     }
 }
 
-/// Published beside the coefficients: diffuse reflectance of marble 0.83, 0.79, 0.75.
+/// Published with the coefficients: diffuse reflectance of marble 0.83, 0.79, 0.75.
 static void marble_reflects_as_published(void **state)
 {
     (void)state;
@@ -193,7 +193,7 @@ static void a_sphere_keeps_what_the_profile_carries_within_its_diameter(void **s
     }
 }
 
-/// What of a half plane's light arrives at distance x > 0 from its edge, on the dark side.
+/// Fraction of a half plane's light that arrives at distance x > 0 from its edge, on the dark side.
 static double beyond_edge(double d, double x)
 {
     const int steps = 2000;
@@ -261,7 +261,8 @@ static void a_shadow_edge_blurs_by_the_profile(void **state)
     end_bodies(&b);
 }
 
-/// Neither what a node receives nor what it hands on exceeds 1, on thin and edgy bodies either.
+/// The light that a node receives and the light that it passes on are both at most 1, also on thin and sharp-edged
+/// bodies.
 static void nothing_gains_light(void **state)
 {
     (void)state;
@@ -287,7 +288,7 @@ static void nothing_gains_light(void **state)
     }
 }
 
-/// Whatever the ratio of spacing and profile: diffusion moves light and loses none.
+/// For any ratio of spacing and profile, diffusion moves light and loses none.
 static void energy_does_not_depend_on_the_spacing(void **state)
 {
     (void)state;

@@ -89,7 +89,7 @@ static void parts_cost_the_same(void **state)
 
 // ---- the same bytes ------------------------------------------------------------------------------
 
-/// What all threads do, and what came of it.
+/// The work of all threads, and its result.
 typedef struct job {
     const char *scene, *other_scene; ///< of process 1, if not NULL
     const char *path, *checkpoint;

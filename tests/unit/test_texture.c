@@ -469,7 +469,7 @@ static double below_lamp(rsv_scene *scene, rsv_probe_reading *reading)
     return reading->irradiance.g;
 }
 
-/// A lamp of which a few texels shine. @return its irradiance over what is right
+/// A lamp of which only a few texels shine. @return its irradiance, divided by the exact value
 static double lamp_of_texels(fixture *f, uint32_t side, uint32_t stars, rsv_probe_reading *reading)
 {
     rsv_scene *scene;
@@ -581,7 +581,7 @@ static void add_cube(rsv_scene *scene, uint32_t material)
     }
 }
 
-/// Walls that emit what they absorb: radiance is 1 everywhere, whatever the texture.
+/// Walls that emit as much as they absorb: radiance is 1 everywhere, for any texture.
 static void textured_furnace_is_uniform(void **state)
 {
     fixture *f = *state;

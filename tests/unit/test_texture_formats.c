@@ -10,7 +10,7 @@
 
 // ---- a textured square ------------------------------------------------------------------------------
 
-/// The unit square under a texture. @param texture what stands in "textures" and "images" @param material members of it
+/// The unit square with a texture. @param texture content of "textures" and "images" @param material members of it
 static const char *write_textured(const folder *place, const char *material, const char *texture)
 {
     const float uv[8] = { 0, 0, 1, 0, 1, 1, 0, 1 };
@@ -65,7 +65,7 @@ static void assert_color(rsv_rgb found, float r, float g, float b, float toleran
             (double)r, (double)g, (double)b);
 }
 
-/// The texture is left out, with a line that says so.
+/// The texture is left out, and a warning says so.
 static void assert_left_out(fixture *f, const char *path, const char *mentioned)
 {
     f->log[0] = '\0';
@@ -185,7 +185,7 @@ static void write_png16(const folder *place, uint16_t left, uint16_t right)
     write_bytes(path_in(place, "deep.png"), png, at);
 }
 
-/// Coats take their own map, the one of what they cover where a file says so, or none.
+/// Coats use their own map, or that of the surface below if the file says so, or none.
 static void coats_have_the_normals_that_files_say(void **state)
 {
     static const struct {
@@ -397,7 +397,7 @@ static void obj_of_blender_is_read_as_blender_means_it(void **state)
     remove_folder(place.path);
 }
 
-/// Paths of Windows, and of another computer, lead to the file of that name beside the scene.
+/// Windows paths, and paths of another computer, lead to the file of that name next to the scene.
 static void textures_are_found_beside_the_scene(void **state)
 {
     static const char *const names[] = { "marks.png", "./marks.png", "C:\\my work\\tex\\marks.png",
@@ -431,8 +431,8 @@ static void textures_that_cannot_be_read_are_named(void **state)
 
 // ---- meshopt ------------------------------------------------------------------------------------------
 
-/// Writes a square whose positions and indices are packed. @param views what stands for the buffer views; %zu twice: offset and
-/// length of the indices' data
+/// Writes a square with compressed positions and indices.
+/// @param views JSON of the buffer views; %zu twice: offset and length of the indices' data
 typedef struct packed_square {
     uint8_t data[1024];
     size_t vertex_bytes, bytes;

@@ -338,7 +338,7 @@ static void what_moved_is_hit_where_it_is(void **state)
     world_end(fresh);
 }
 
-/// A lamp of many triangles in a room, of which nothing or everything is left in its place.
+/// A lamp of many triangles in a room; none or all of it stays where it is.
 static void bodies_set_apart_are_hit_where_they_are(void **state)
 {
     (void)state;

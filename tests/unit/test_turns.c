@@ -105,7 +105,7 @@ static int remove_box(void **state)
     return 0;
 }
 
-/// What the runtime makes of the sky at an angle, and of the lamp at some strength.
+/// The runtime's light for the sky at an angle and the lamp at some strength.
 static void turn_by_runtime(open_box *b, float degrees, float lamp)
 {
     float scale[3 * (1 + TURNS)] = { lamp, lamp, lamp };
@@ -133,7 +133,7 @@ typedef struct difference {
     double largest, mean; ///< of the largest light, of the mean light
 } difference;
 
-/// The runtime's light at an angle beside that of the library.
+/// The runtime's light at an angle, compared with the library's.
 static difference compare(open_box *b, const rsv_light *s, float degrees, float lamp)
 {
     turn_by_runtime(b, degrees, lamp);

@@ -1,4 +1,5 @@
-/// Solving a scene again after an edit from a store in memory, beside what folders do; and what stores of each kind do.
+/// Solving a scene again after an edit, from a store in memory: compared with folders, and behaviour of both kinds of
+/// store.
 #include "thread_team.h" // which has rooms of another kind
 
 #include "history_fixture.h"

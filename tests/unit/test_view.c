@@ -241,7 +241,7 @@ static void what_the_light_refuses_is_taken_back(void **state)
     close_stage(s);
 }
 
-/// The largest numbers that can be said, again and again: the relighter takes what comes of it, and the camera stays finite.
+/// The largest values that commands accept, repeatedly: the relighter accepts the result, and the camera stays finite.
 static void extremes_are_survived(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/// Loops on threads of the program: whatever order it runs tasks in, and on whatever threads, results are the same bytes.
+/// Loops on threads of the calling program: results are the same bytes for any order of tasks and any threads.
 #include "core/parallel.h"
 #include "file_fixture.h"
 #include "resolvent/resolvent.h"
@@ -89,7 +89,7 @@ static void run_on_pool(void *user, size_t count, void (*task)(void *, size_t), 
 
 // ---- what is compared -------------------------------------------------------------------------------
 
-/// All that came of one scene, byte by byte.
+/// All results of one scene, byte by byte.
 typedef struct outcome {
     char *bytes;
     size_t count;

@@ -1,5 +1,4 @@
-/// A team whose processes are threads of the test: what is shared and how failures spread can be tested where there is
-/// no MPI.
+/// A team whose processes are threads of the test. It tests sharing and the handling of failures where there is no MPI.
 #ifndef RSV_TEST_THREAD_TEAM_H
 #define RSV_TEST_THREAD_TEAM_H
 
