@@ -22,5 +22,6 @@ rm -rf "$folder"
 
 "$here/integrations/python/make_wheel.sh" "$build" "$out" >/dev/null
 "$here/integrations/blender/make_zip.sh" "$build" "$out" >/dev/null
+"$here/integrations/godot/make_zip.sh" "$out" >/dev/null
 "$here/web/rt/pack.sh" "$out" >/dev/null
 ls "$out"

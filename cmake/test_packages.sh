@@ -30,9 +30,9 @@ inside() {
         bash -ec "cd /tmp; $1" >"$work/log" 2>&1 || { cat "$work/log" && exit 1; }
 }
 
-# passed NAME: says so, and what it took
+# passed NAME [FILE]: says so, and what it took, if the room was lit: FILE, or room.png
 passed() {
-    [[ -s $root/tmp/room.png ]]
+    [[ -s $root/tmp/${2:-room.png} ]]
     echo "$1: installed and used, $(du -sm "$root" | cut -f1) MB with the system"
     rm -rf "$root"
 }
@@ -53,3 +53,52 @@ inside "apt-get update && apt-get install -y --no-install-recommends python3-pip
 inside "pip install --no-index --break-system-packages ./*.whl"
 inside "python3 hello_room.py --picture room.png"
 passed "wheel"
+
+# A picture by Blender itself, after the add-on was installed as users do it.
+begin blender "$packages"/resolvent-blender-*.zip
+inside "apt-get update && apt-get install -y --no-install-recommends blender python3-numpy"
+cat >"$root/tmp/hello.py" <<'PYTHON'
+import glob
+import bpy
+bpy.ops.preferences.addon_install(filepath=glob.glob("/tmp/resolvent-blender-*.zip")[0])
+bpy.ops.preferences.addon_enable(module="resolvent_render")
+bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 64
+bpy.context.scene.resolvent.quality = "draft"
+assert bpy.ops.resolvent.render(mode="operator", filepath="/tmp/room.png") == {"FINISHED"}
+PYTHON
+inside "blender -b --factory-startup --python-exit-code 3 -P hello.py"
+passed "zip for Blender"
+
+# What relights a room was baked by the program of the tarball.
+bake="resolvent-*/bin/resolvent bake cornell-blocks -o room.glb --to vertex --basis --quality draft"
+begin npm "$packages"/resolvent-rt-*.tgz "$packages"/resolvent-*-linux-*.tar.gz
+inside "apt-get update && apt-get install -y --no-install-recommends nodejs npm"
+inside "tar xf resolvent-*-linux-*.tar.gz; $bake; npm install --no-audit --no-fund --legacy-peer-deps ./resolvent-rt-*.tgz"
+cat >"$root/tmp/hello.mjs" <<'JAVASCRIPT'
+import { readFile } from "node:fs/promises";
+import { LightBasis, loadModule } from "resolvent-rt";
+const room = await LightBasis.create(await loadModule(), (await readFile("room.light.safetensors")).buffer);
+const [baked, half] = [1, 0.5].map((strength) => room.relight([[strength, strength, strength]]).reduce((sum, light) => sum + light));
+if (!(baked > 0 && Math.abs(half / baked - 0.5) < 1e-3)) throw new Error(`${half} W/m2 at half strength, ${baked} at full`);
+JAVASCRIPT
+inside "node hello.mjs"
+passed "npm package" room.glb
+
+# Debian has Godot 3, in which the add-on's scripts that read bakes run; it itself is for Godot 4.
+begin godot "$packages"/resolvent-godot-*.zip "$packages"/resolvent-*-linux-*.tar.gz
+inside "apt-get update && apt-get install -y --no-install-recommends godot3-server"
+inside "tar xf resolvent-*-linux-*.tar.gz; $bake"
+cp -r "$here/integrations/godot/tests/godot3" "$root/tmp/project"
+python3 -m zipfile -e "$packages"/resolvent-godot-*.zip "$root/tmp/project"
+mv "$root/tmp/project/platform.gd" "$root/tmp/project/addons/resolvent"
+cat >"$root/tmp/project/main.gd" <<'SCRIPT'
+extends SceneTree
+const LightBasis = preload("addons/resolvent/light_basis.gd")
+
+func _init():
+	var basis = LightBasis.read("/tmp/room.light.safetensors")
+	print("the light of ", basis.names if basis.error == "" else basis.error)
+	quit()
+SCRIPT
+inside "godot3-server --path project -s main.gd | grep -F 'the light of [light]'"
+passed "zip for Godot" room.glb

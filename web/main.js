@@ -3,6 +3,7 @@ import * as THREE from "three";
 import { VRButton } from "three/addons/webxr/VRButton.js";
 import { createCamera, fitView } from "./camera.js";
 import { addControls } from "./controls.js";
+import { findExposure } from "./exposure.js";
 import { Reflections } from "./reflections.js";
 import { LightBasis } from "./rt/runtime.js";
 import { BakedScene } from "./scene.js";
@@ -140,11 +141,11 @@ function showScene(renderer, shown, view) {
         renderer.setSize(innerWidth, innerHeight);
         draw();
     };
-    element("exposure").oninput = () => {
-        scene.exposure.value = 2 ** element("exposure").value;
+    const expose = (stops) => {
+        scene.exposure.value = 2 ** stops;
         sky?.expose(scene.exposure.value);
-        draw();
     };
+    element("exposure").oninput = () => { expose(Number(element("exposure").value)); draw(); };
     element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
     controls.addEventListener("change", draw);
     shown.resize();
@@ -153,10 +154,16 @@ function showScene(renderer, shown, view) {
     } catch (error) {
         say(`The lights cannot be changed: ${error.message}.`);
     }
+    reflections.update();
+    expose(0);
+    offerExposure(findExposure(renderer, world, scene.camera, camera));
     element("exposure").oninput();
     element("wireframe").onchange();
-    reflections.update();
-    draw();
+}
+
+/// The slider begins with the exposure that was chosen, and reaches as far from there to either side.
+function offerExposure(stops) {
+    Object.assign(element("exposure"), { min: stops - 4, max: stops + 4, value: stops });
 }
 
 /// The path-traced picture of the scene that lies beside the page.

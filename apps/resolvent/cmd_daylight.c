@@ -39,7 +39,8 @@ static const char help[] =
     "examples:\n"
     "  resolvent daylight office.glb --weather chicago.epw -o office.html\n"
     "  resolvent daylight office.glb --weather chicago.epw --points desks.csv --north 30 \\\n"
-    "      --hourly desks-hours.csv -o desks.json\n";
+    "      --hourly desks-hours.csv -o desks.json\n"
+    "  resolvent daylight office.glb --weather chicago.epw --shaded office-shaded.glb -o office.html\n";
 
 typedef struct settings {
     const char *scene, *shaded, *points, *mesh;

@@ -36,8 +36,9 @@ static const char help[] =
         CLI_READING_HELP CLI_MOMENT_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "\n"
     "examples:\n"
     "  resolvent fit office.safetensors --wanted desks.csv --at-least -o dimming.csv\n"
-    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv -o dimming.csv --relit "
-    "dimmed.safetensors\n";
+    "  resolvent fit office.safetensors --wanted desks.csv -o dimming.csv --relit dimmed.safetensors\n"
+    "  resolvent fit office.glb --luminaire 'panel*=panel.ies' --wanted desks.csv --least 0.1 \\\n"
+    "      -o dimming.csv\n";
 
 typedef struct settings {
     const char *scene, *wanted, *output, *readings, *relit, *mesh;

@@ -21,7 +21,8 @@ static const char help[] =
     "\n"
     "examples:\n"
     "  resolvent render cornell-spheres -o orders.exr --layers\n"
-    "  resolvent layers orders.exr -o orders.png\n";
+    "  resolvent layers orders.exr -o orders.png\n"
+    "  resolvent layers orders.exr -o first.png --count 2 --columns 2 --exposure 1\n";
 
 /// Mean luminance that every layer is brought to, within a quarter of a stop.
 static const double mean_luminance = 0.18;

@@ -18,7 +18,8 @@ static const char help[] =
     "\n"
     "examples:\n"
     "  resolvent compare judge.exr ours.exr -o difference.exr\n"
-    "  resolvent sheet judge.exr ours.exr difference.exr -o sheet.png\n";
+    "  resolvent sheet judge.exr ours.exr difference.exr -o sheet.png\n"
+    "  resolvent sheet day-000.png day-012.png day-024.png day-036.png -o day.png --columns 2\n";
 
 enum { max_count = 64 };
 

@@ -44,6 +44,21 @@ static const cJSON *linked(
 
 // ---- arrays ---------------------------------------------------------------------------------------
 
+static uint32_t little_endian(const unsigned char *b)
+{
+    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/// Bytes of a buffer view, within the file. @return NULL where they are not
+static const unsigned char *find_view(const glb_scene *s, const cJSON *view, double *bytes)
+{
+    uint32_t json_bytes = little_endian(s->bytes + 12), size = little_endian(s->bytes + 8);
+    double begin = number(view, "byteOffset", 0), from = 28.0 + json_bytes + begin;
+    *bytes = number(view, "byteLength", -1);
+    return !view || begin < 0 || *bytes < 0 || from + *bytes > size ? NULL
+                                                                    : s->bytes + (size_t)from;
+}
+
 /// Packed elements of an accessor, within the file.
 typedef struct array {
     const unsigned char *data;
@@ -51,26 +66,21 @@ typedef struct array {
     int type;
 } array;
 
-static uint32_t little_endian(const unsigned char *b)
-{
-    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
 /// @param elements numbers of each element
 static int find_array(
     const glb_scene *s, const cJSON *owner, const char *key, uint32_t elements, array *found)
 {
+    double view_bytes;
     const cJSON *accessor = linked(s, "accessors", owner, key);
     const cJSON *view = linked(s, "bufferViews", accessor, "bufferView");
-    uint32_t json_bytes = little_endian(s->bytes + 12), size = little_endian(s->bytes + 8);
-    double begin = number(view, "byteOffset", 0) + number(accessor, "byteOffset", 0);
-    double count = number(accessor, "count", -1), from = 28.0 + json_bytes + begin;
+    const unsigned char *data = find_view(s, view, &view_bytes);
+    double count = number(accessor, "count", -1), begin = number(accessor, "byteOffset", 0);
     found->type = (int)number(accessor, "componentType", 0);
     double bytes = elements * (found->type == SHORTS ? 2.0 : 4.0);
     double stride = number(view, "byteStride", bytes);
-    if (!view || stride != bytes || begin < 0 || count < 0 || from + count * bytes > size)
+    if (!data || stride != bytes || begin < 0 || count < 0 || begin + count * bytes > view_bytes)
         return -1;
-    found->data = s->bytes + (size_t)from;
+    found->data = data + (size_t)begin;
     found->count = (uint32_t)count;
     return found->type == FLOATS || found->type == SHORTS || found->type == LONGS ? 0 : -1;
 }
@@ -102,8 +112,11 @@ static int add_vertices(glb_scene *s, uint32_t count)
     if (position) s->position = position;
     void *color = realloc(s->color, all * sizeof *s->color);
     if (color) s->color = color;
-    if (!position || !color || all > UINT32_MAX) return fail(s, "out of memory");
+    void *mapped = realloc(s->place, all * sizeof *s->place);
+    if (mapped) s->place = mapped;
+    if (!position || !color || !mapped || all > UINT32_MAX) return fail(s, "out of memory");
     memset(s->position + s->vertex_count, 0, count * sizeof *s->position);
+    memset(s->place + s->vertex_count, 0, count * sizeof *s->place);
     for (size_t k = s->vertex_count; k < all; k++)
         for (int c = 0; c < 4; c++)
             s->color[k][c] = 1;
@@ -116,26 +129,70 @@ static int place_vertices(glb_scene *s, const cJSON *primitive, uint32_t count, 
 {
     double receiver = number(get(primitive, "extras"), "resolvent_first_receiver", -1);
     *base = s->vertex_count;
-    if (receiver < 0) return add_vertices(s, count);
+    if (receiver < 0 || s->map_width > 0) return add_vertices(s, count);
     if (receiver + count > s->receiver_count) return fail(s, "it was not baked with that basis");
     *base = (uint32_t)receiver;
     s->lit_count += count;
     return 0;
 }
 
-/// Colours that vertices had before the bake, which light multiplies as it does base colours.
+/// Colours that light multiplies as it does base colours. Vertices with light in them have those from before the bake.
 static int read_colors(glb_scene *s, const cJSON *attributes, uint32_t base, uint32_t count)
 {
     array color;
-    const cJSON *accessor = linked(s, "accessors", attributes, "_COLOR");
+    const char *key = s->map_width > 0 ? "COLOR_0" : "_COLOR";
+    const cJSON *accessor = linked(s, "accessors", attributes, key);
     const char *type = cJSON_GetStringValue(get(accessor, "type"));
     uint32_t width = type && strcmp(type, "VEC4") == 0 ? 4 : 3;
-    if (!accessor || base >= s->receiver_count) return 0;
-    if (find_array(s, attributes, "_COLOR", width, &color) != 0 || color.type != FLOATS ||
+    if (!accessor || (s->map_width == 0 && base >= s->receiver_count)) return 0;
+    if (find_array(s, attributes, key, width, &color) != 0 || color.type != FLOATS ||
         color.count != count)
         return fail(s, "colours of vertices are not as `resolvent bake` writes them");
     for (uint32_t k = 0; k < count; k++)
         memcpy(s->color[base + k], color.data + 4 * width * (size_t)k, 4 * width);
+    return 0;
+}
+
+/// The lightmap of a primitive's material; NULL if it has none.
+static const cJSON *lightmap_of(const glb_scene *s, const cJSON *primitive)
+{
+    return get(get(linked(s, "materials", primitive, "material"), "extensions"), "MOZ_lightmap");
+}
+
+/// Where vertices are in the lightmap.
+static int read_places(glb_scene *s, const cJSON *primitive, uint32_t base, uint32_t count)
+{
+    array place;
+    char key[32];
+    const cJSON *map = lightmap_of(s, primitive);
+    if (!map || s->map_width == 0) return 0;
+    snprintf(key, sizeof key, "TEXCOORD_%d", (int)number(map, "texCoord", 1));
+    if (find_array(s, get(primitive, "attributes"), key, 2, &place) != 0 || place.type != FLOATS ||
+        place.count != count)
+        return fail(s, "places in the lightmap are not as `resolvent bake` writes them");
+    memcpy(s->place + base, place.data, count * sizeof *s->place);
+    s->lit_count += count;
+    return 0;
+}
+
+/// The size of the first lightmap that a material names, a PNG; all are the same one. Without it, light is in vertices.
+static int find_map(glb_scene *s)
+{
+    double bytes = 0;
+    const cJSON *material, *map = NULL;
+    cJSON_ArrayForEach(material, get(s->json, "materials"))
+    {
+        if (!map) map = get(get(material, "extensions"), "MOZ_lightmap");
+    }
+    if (!map) return add_vertices(s, s->receiver_count);
+    const cJSON *image = linked(s, "images", linked(s, "textures", map, "index"), "source");
+    const unsigned char *png = find_view(s, linked(s, "bufferViews", image, "bufferView"), &bytes);
+    if (!png || bytes < 24 || memcmp(png, "\x89PNG", 4) != 0)
+        return fail(s, "its lightmap is not a PNG as `resolvent bake` writes it");
+    s->map_width = (uint32_t)png[18] << 8 | png[19]; // big-endian, and no map is larger
+    s->map_height = (uint32_t)png[22] << 8 | png[23];
+    if (s->map_width * s->map_height != s->receiver_count)
+        return fail(s, "it was not baked with that basis");
     return 0;
 }
 
@@ -145,7 +202,10 @@ static void read_material(const glb_scene *s, const cJSON *primitive, glb_part *
     const cJSON *strength = get(get(material, "extensions"), "KHR_materials_emissive_strength");
     const char *name = cJSON_GetStringValue(get(material, "name"));
     const char *mode = cJSON_GetStringValue(get(material, "alphaMode"));
-    *part = (glb_part){ name ? name : "", { 1, 1, 1, 1 }, 0, { 0, 0, 0 }, s->index_count, 0 };
+    *part = (glb_part){ .name = name ? name : "",
+        .base_color = { 1, 1, 1, 1 },
+        .mapped = s->map_width > 0 && lightmap_of(s, primitive),
+        .first = s->index_count };
     if (mode && strcmp(mode, "MASK") == 0)
         part->cutoff = (float)number(material, "alphaCutoff", 0.5);
     numbers(get(get(material, "pbrMetallicRoughness"), "baseColorFactor"), part->base_color, 4);
@@ -180,7 +240,8 @@ static int add_primitive(glb_scene *s, const cJSON *primitive, const float world
         find_array(s, primitive, "indices", 1, &index) != 0 || position.type != FLOATS)
         return fail(s, "a primitive lacks indexed triangles as `resolvent bake` writes them");
     if (place_vertices(s, primitive, position.count, &base) != 0 ||
-        read_colors(s, attributes, base, position.count) != 0)
+        read_colors(s, attributes, base, position.count) != 0 ||
+        read_places(s, primitive, base, position.count) != 0)
         return -1;
     for (uint32_t k = 0; k < position.count; k++) {
         float local[3];
@@ -281,6 +342,17 @@ static int read_file(glb_scene *s, const char *path)
     return 0;
 }
 
+/// Whether the light belongs to what was read.
+static int check_light(glb_scene *s)
+{
+    if (s->part_count == 0) return fail(s, "it shows nothing");
+    if (s->lit_count == 0)
+        return fail(s, "it carries no baked light: `resolvent bake --basis` gives it");
+    if (s->map_width == 0 && s->lit_count != s->receiver_count)
+        return fail(s, "it was not baked with that basis");
+    return 0;
+}
+
 int glb_load(glb_scene *s, const char *path, uint32_t receivers)
 {
     const float identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
@@ -288,8 +360,9 @@ int glb_load(glb_scene *s, const char *path, uint32_t receivers)
     s->receiver_count = receivers;
     s->nearest = 0.01f;
     s->farthest = 1000;
-    if (read_file(s, path) != 0 || add_vertices(s, receivers) != 0) return -1;
+    if (read_file(s, path) != 0) return -1;
     s->json = cJSON_ParseWithLength((const char *)s->bytes + 20, little_endian(s->bytes + 12));
+    if (find_map(s) != 0) return -1;
     const cJSON *node, *scenes = get(s->json, "scenes");
     const cJSON *scene = cJSON_GetArrayItem(scenes, (int)number(s->json, "scene", 0));
     cJSON_ArrayForEach(node, get(scene, "nodes"))
@@ -297,11 +370,7 @@ int glb_load(glb_scene *s, const char *path, uint32_t receivers)
         const cJSON *root = cJSON_GetArrayItem(get(s->json, "nodes"), node->valueint);
         if (add_node(s, root, identity, 0) != 0) return -1;
     }
-    if (s->part_count == 0) return fail(s, "it shows nothing");
-    if (s->lit_count == 0)
-        return fail(
-            s, "its vertices carry no light: `resolvent bake --to vertex --basis` gives it");
-    if (s->lit_count != receivers) return fail(s, "it was not baked with that basis");
+    if (check_light(s) != 0) return -1;
     if (s->fov == 0) frame(s);
     return 0;
 }
@@ -312,6 +381,7 @@ void glb_free(glb_scene *s)
     free(s->bytes);
     free(s->position);
     free(s->color);
+    free(s->place);
     free(s->index);
     free(s->part);
 }

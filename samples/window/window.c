@@ -1,6 +1,7 @@
-/// A baked scene in a window, relit in every frame by the runtime: SDL2 and OpenGL 3.3.
+/// A baked scene in a window, relit in every frame by the runtime: SDL2 and OpenGL 3.3. Light is in vertices or in a
+/// lightmap.
 ///
-///     resolvent bake cornell-blocks -o box.glb --to vertex --basis
+///     resolvent bake cornell-blocks -o box.glb --to vertex --basis        (or --to lightmap)
 ///     window box.glb box.light.safetensors [FRAMES PICTURE.png]
 ///
 /// Left and right select a light; up and down change its strength. Page up and page down turn a sky that was baked with
@@ -26,41 +27,51 @@ enum { HEIGHT = 512 };
 typedef struct viewer {
     SDL_Window *window;
     SDL_GLContext context;
-    GLuint program, light_buffer;
+    GLuint program, light_buffer, light_map;
     rsv_rt_file file;
     rsv_rt_basis basis;
     rsv_rt_file_turns turns;
     glb_scene scene;
-    float *strength;   // [light_count] of each light; of a sky that turns, at its first angle
-    float *scale;      // [light_count][3] what the runtime takes
-    float *irradiance; // [vertex_count][3] receivers first; what has no baked light stays dark
-    float turn;        // of the sky, from 0 to 1
+    float *strength; // [light_count] of each light; of a sky that turns, at its first angle
+    float *scale;    // [light_count][3] what the runtime takes
+    float *
+        irradiance; // [vertex_count or texels][3] receivers first; what has no baked light stays dark
+    float turn;     // of the sky, from 0 to 1
     uint32_t chosen, choices;
     int running;
 } viewer;
 
-static const char *const vertex_shader =
-    "#version 330\n"
-    "layout(location = 0) in vec3 position;\n"
-    "layout(location = 1) in vec3 irradiance;\n"
-    "layout(location = 2) in vec4 color;\n"
-    "uniform mat4 to_screen;\n"
-    "out vec4 reflected;\n"
-    "void main() {\n"
-    "    reflected = color * vec4(irradiance / 3.14159265, 1.0);\n"
-    "    gl_Position = to_screen * vec4(position, 1.0);\n"
-    "}\n";
+static const char *const vertex_shader = "#version 330\n"
+                                         "layout(location = 0) in vec3 position;\n"
+                                         "layout(location = 1) in vec3 irradiance;\n"
+                                         "layout(location = 2) in vec4 color;\n"
+                                         "layout(location = 3) in vec2 place;\n"
+                                         "uniform mat4 to_screen;\n"
+                                         "out vec4 own_color;\n"
+                                         "out vec3 at_vertices;\n"
+                                         "centroid out vec2 at_texels;\n"
+                                         "void main() {\n"
+                                         "    own_color = color;\n"
+                                         "    at_vertices = irradiance;\n"
+                                         "    at_texels = place;\n"
+                                         "    gl_Position = to_screen * vec4(position, 1.0);\n"
+                                         "}\n";
 
 // what a diffuse surface shows of irradiance; then codes of sRGB
 static const char *const fragment_shader =
     "#version 330\n"
-    "in vec4 reflected;\n"
+    "in vec4 own_color;\n"
+    "in vec3 at_vertices;\n"
+    "centroid in vec2 at_texels;\n"
+    "uniform sampler2D light_map;\n"
+    "uniform bool mapped;\n"
     "uniform vec4 base_color;\n"
     "uniform vec3 emission;\n"
     "uniform float cutoff;\n"
     "out vec4 color;\n"
     "void main() {\n"
-    "    vec4 shown = base_color * reflected;\n"
+    "    vec3 irradiance = mapped ? texture(light_map, at_texels).rgb : at_vertices;\n"
+    "    vec4 shown = base_color * own_color * vec4(irradiance / 3.14159265, 1.0);\n"
     "    if (shown.a < cutoff) discard;\n"
     "    vec3 radiance = clamp(shown.rgb + emission, 0.0, 1.0);\n"
     "    vec3 curve = 1.055 * pow(radiance, vec3(1.0 / 2.4)) - 0.055;\n"
@@ -116,7 +127,20 @@ static void attach_floats(GLuint location, GLint width)
     glEnableVertexAttribArray(location);
 }
 
-/// Places, colours and triangles once; light has a buffer of its own, to be filled in every frame.
+/// A texture of floats for the lightmap, to be filled in every frame.
+static void create_map(viewer *v)
+{
+    const GLsizei size[2] = { (GLsizei)v->scene.map_width, (GLsizei)v->scene.map_height };
+    glGenTextures(1, &v->light_map);
+    glBindTexture(GL_TEXTURE_2D, v->light_map);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, size[0], size[1], 0, GL_RGB, GL_FLOAT, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+/// Places, colours and triangles once; light has a buffer of its own, or a texture, to be filled in every frame.
 static int upload_scene(viewer *v)
 {
     const glb_scene *s = &v->scene;
@@ -135,9 +159,15 @@ static int upload_scene(viewer *v)
     attach_floats(0, 3);
     upload(GL_ARRAY_BUFFER, s->vertex_count * sizeof *s->color, s->color, GL_STATIC_DRAW);
     attach_floats(2, 4);
-    v->light_buffer =
-        upload(GL_ARRAY_BUFFER, s->vertex_count * 3 * sizeof(float), NULL, GL_STREAM_DRAW);
-    attach_floats(1, 3);
+    if (s->map_width > 0) {
+        upload(GL_ARRAY_BUFFER, s->vertex_count * sizeof *s->place, s->place, GL_STATIC_DRAW);
+        attach_floats(3, 2);
+        create_map(v);
+    } else {
+        v->light_buffer =
+            upload(GL_ARRAY_BUFFER, s->vertex_count * 3 * sizeof(float), NULL, GL_STREAM_DRAW);
+        attach_floats(1, 3);
+    }
     glEnable(GL_DEPTH_TEST);
     return linked ? 0 : -1;
 }
@@ -156,6 +186,11 @@ static void relight(viewer *v)
     }
     rsv_rt_relight(
         &v->basis, v->scale, v->basis.light_count, 0, v->basis.receiver_count, v->irradiance);
+    const GLsizei size[2] = { (GLsizei)v->scene.map_width, (GLsizei)v->scene.map_height };
+    if (v->light_map) {
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size[0], size[1], GL_RGB, GL_FLOAT, v->irradiance);
+        return;
+    }
     glBindBuffer(GL_ARRAY_BUFFER, v->light_buffer);
     glBufferSubData(GL_ARRAY_BUFFER, 0,
         (GLsizeiptr)(v->scene.vertex_count * 3 * sizeof *v->irradiance), v->irradiance);
@@ -209,6 +244,7 @@ static void draw(const viewer *v)
         const float *e = part->emission, strength = lamp_strength(v, part);
         glUniform4fv(glGetUniformLocation(v->program, "base_color"), 1, part->base_color);
         glUniform1f(glGetUniformLocation(v->program, "cutoff"), part->cutoff);
+        glUniform1i(glGetUniformLocation(v->program, "mapped"), part->mapped);
         glUniform3f(glGetUniformLocation(v->program, "emission"), strength * e[0], strength * e[1],
             strength * e[2]);
         glDrawElements(GL_TRIANGLES, (GLsizei)part->count, GL_UNSIGNED_INT,
@@ -272,7 +308,8 @@ static int load(viewer *v, const char *scene, const char *basis)
     for (uint32_t l = 0; v->strength && l < v->basis.light_count; l++)
         v->strength[l] = 1;
     if (glb_load(&v->scene, scene, v->basis.receiver_count) != 0) return -1;
-    v->irradiance = calloc(v->scene.vertex_count, 3 * sizeof *v->irradiance);
+    uint32_t values = v->scene.map_width ? v->basis.receiver_count : v->scene.vertex_count;
+    v->irradiance = calloc(values, 3 * sizeof *v->irradiance);
     return v->strength && v->scale && v->irradiance ? 0 : -1;
 }
 

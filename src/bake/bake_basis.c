@@ -110,22 +110,31 @@ static rsv_status read_turned(basis *b)
     return status;
 }
 
+/// Before the work: what it takes.
+static void say_bytes(const basis *b, double bytes)
+{
+    if (b->is_packed && b->count > MANY_LIGHTS)
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: the basis of %zu lights at %zu receivers takes about %.3g MB in its file",
+            b->count, b->reader->count, 1e-7 * bytes);
+    else if (!b->is_packed && (bytes > LARGE_BASIS || b->count > MANY_LIGHTS))
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: the basis of %zu lights at %zu receivers takes %.3g MB, in memory and in its file; packed "
+            "(--packed) it is about a tenth of that",
+            b->count, b->reader->count, 1e-6 * bytes);
+}
+
 static rsv_status check_bytes(const basis *b)
 {
     const size_t given = b->s->desc.max_bytes;
     const double most = given ? (double)given : LARGEST_BASIS;
     double bytes = (double)b->count * (double)values_of_one(b) * sizeof *b->value;
-    if (b->is_packed) return RSV_OK;
-    if (bytes > most)
+    if (!b->is_packed && bytes > most)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "bake: the basis of %zu lights at %zu receivers takes %.3g GB of memory, more than "
             "the %.3g GB available; pack it (--packed), bake fewer receivers, or join lights",
             b->count, b->reader->count, 1e-9 * bytes, 1e-9 * most);
-    if (bytes > LARGE_BASIS)
-        rsv_log(b->s->context, RSV_LOG_WARNING,
-            "bake: the basis of %zu lights at %zu receivers takes %.3g MB, in memory and in its file; packed "
-            "(--packed) it is about a tenth of that",
-            b->count, b->reader->count, 1e-6 * bytes);
+    say_bytes(b, bytes);
     return RSV_OK;
 }
 

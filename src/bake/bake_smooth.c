@@ -1,6 +1,7 @@
 #include "bake_smooth.h"
 
 #include "../core/parallel.h"
+#include "../core/sampling.h"
 #include "../core/vec.h"
 #include "../elements/elements.h"
 #include "bake_constants.h"
@@ -8,12 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// Places for the nodes around one, most of them empty.
+#define TABLE (4 * MOST_AROUND)
+
 /// Nodes around one, the nearest by cells between them first.
 typedef struct surrounding {
     uint32_t node[MOST_AROUND];
     uint32_t ring[MOST_AROUND];  ///< cells between
     float place[MOST_AROUND][2]; ///< on the tangent plane, metres
     uint32_t count;
+    uint32_t table[TABLE]; ///< those nodes and 1 at places by their hashes; 0 = nothing
 } surrounding;
 
 typedef struct smoother {
@@ -33,11 +38,15 @@ typedef struct plane_fit {
 
 // ---- neighbours -----------------------------------------------------------------------------------
 
-static bool is_known(const surrounding *s, uint32_t node)
+/// Adds a node to a surrounding's table. @return false = it was there
+static bool note_node(surrounding *s, uint32_t node)
 {
-    for (uint32_t k = 0; k < s->count; k++)
-        if (s->node[k] == node) return true;
-    return false;
+    uint32_t at = rsv_hash2(node, 0) % TABLE;
+    while (s->table[at] != 0 && s->table[at] != node + 1)
+        at = (at + 1) % TABLE;
+    bool fresh = s->table[at] == 0;
+    s->table[at] = node + 1;
+    return fresh;
 }
 
 /// Of a surface, and by itself.
@@ -52,7 +61,7 @@ static void add_neighbours(const rsv_elements *e, uint32_t of, surrounding *s)
     for (uint32_t c = e->support_begin[node]; c < e->support_begin[node + 1]; c++)
         for (int k = 0; k < 3; k++) {
             uint32_t other = e->cell_node[e->support[c] / 4][k];
-            if (s->count == MOST_AROUND || is_known(s, other)) continue;
+            if (s->count == MOST_AROUND || !note_node(s, other)) continue;
             s->ring[s->count] = s->ring[of] + 1;
             s->node[s->count++] = other;
         }
@@ -63,6 +72,8 @@ static void find_surrounding(const rsv_elements *e, uint32_t node, surrounding *
     s->count = 1;
     s->node[0] = node;
     s->ring[0] = 0;
+    memset(s->table, 0, sizeof s->table);
+    note_node(s, node);
     for (uint32_t k = 0; k < s->count && s->ring[k] < FIT_RINGS; k++)
         add_neighbours(e, k, s);
     rsv_surface_point middle = rsv_elements_node_point(e->scene, e, node);

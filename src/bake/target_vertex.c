@@ -31,7 +31,8 @@ typedef struct vertex_bake {
     float **old;   ///< [parts.count] colours that vertices had; NULL = white
     size_t *width; ///< [parts.count] numbers in one of these
     rsv_bake_receiver
-        *receiver; ///< [vertex_count] of all parts, as written; where a basis or an operator is
+        *receiver;  ///< [vertex_count] of all parts, as written; where a basis or an operator is
+    rsv_rgb *whole; ///< [vertex_count] light of all sources there
     size_t vertex_count;
 } vertex_bake;
 
@@ -90,13 +91,14 @@ cleanup:
 }
 
 /// A vertex's light, with corrected stored light. @param smooth the view from which its light was read
-static rsv_rgb mended(
-    const vertex_bake *b, const rsv_light_view *smooth, const rsv_bake_patch *patch, rsv_rgb light)
+/// @param least luminance to which errors are relative
+static rsv_rgb mended(const vertex_bake *b, const rsv_light_view *smooth,
+    const rsv_bake_patch *patch, rsv_rgb light, float least)
 {
     const rsv_surface_place *at = &patch->place[0];
     rsv_vec3 p =
         rsv_surface_point_at(b->s->scene.view, at->triangle, at->u, at->v, at->back).position;
-    float total = f_max(rgb_luminance(light), dark_of(smooth)), step = b->finest / 16;
+    float total = f_max(rgb_luminance(light), least), step = b->finest / 16;
     uint32_t number = rsv_hash3(
         (uint32_t)lrintf(p.x / step), (uint32_t)lrintf(p.y / step), (uint32_t)lrintf(p.z / step));
     rsv_rgb change = rsv_bake_mend(smooth, patch, total, rsv_hash2(b->s->desc.seed, number));
@@ -117,7 +119,7 @@ static void mend_vertices(void *job, rsv_span span)
         if (mesh->receiver[n].triangle == RSV_NONE || rsv_cancelled(b->s->context)) continue;
         rsv_bake_vertex_patch(&b->smooth.view, &mesh->receiver[n], b->finest, &patch);
         if (rsv_bake_keep_open(&b->cover, &patch))
-            mesh->light[n] = mended(b, &b->smooth.view, &patch, mesh->light[n]);
+            mesh->light[n] = mended(b, &b->smooth.view, &patch, mesh->light[n], dark_of(b->s));
     }
 }
 
@@ -314,11 +316,13 @@ static rsv_status list_receivers(vertex_bake *b)
     for (size_t k = 0; k < b->parts.count; k++)
         b->vertex_count += b->mesh[k].vertex_count;
     b->receiver = rsv_alloc(b->s->context, b->vertex_count, sizeof *b->receiver);
-    if (!b->receiver) return RSV_ERROR_MEMORY;
+    b->whole = rsv_alloc(b->s->context, b->vertex_count, sizeof *b->whole);
+    if (!b->receiver || !b->whole) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < b->parts.count; k++) {
         const rsv_bake_mesh *mesh = &b->mesh[k];
         if (!mesh->vertex_count) continue;
         memcpy(b->receiver + at, mesh->receiver, mesh->vertex_count * sizeof *mesh->receiver);
+        memcpy(b->whole + at, mesh->light, mesh->vertex_count * sizeof *mesh->light);
         at += mesh->vertex_count;
     }
     return RSV_OK;
@@ -344,7 +348,8 @@ static rsv_rgb read_vertex(const read_job *job, size_t n)
     float error = b->desc->error * dark_of(b->s) / DARK;
     rsv_rgb value =
         rsv_bake_light_patch(&job->lamps, &patch, error, rsv_hash2(b->s->desc.seed, (uint32_t)n));
-    return open ? mended(b, light, &patch, value) : value;
+    float least = f_max(PART_OF_WHOLE * rgb_luminance(b->whole[n]), dark_of(b->s));
+    return open ? mended(b, light, &patch, value, least) : value;
 }
 
 static void read_span(void *data, rsv_span span)
@@ -479,6 +484,7 @@ static void close_document(vertex_bake *b)
     rsv_free(context, b->old);
     rsv_free(context, b->width);
     rsv_free(context, b->receiver);
+    rsv_free(context, b->whole);
     rsv_free(context, b->primitive);
     rsv_bake_smooth_destroy(&b->smooth);
     rsv_bake_parts_destroy(&b->parts);

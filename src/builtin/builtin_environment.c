@@ -66,8 +66,8 @@ rsv_status rsv_scene_set_builtin_environment(
         .intensity = intensity,
         .rotation = rotation };
     if (!rsv_environment_is_builtin(name))
-        return rsv_fail(RSV_ERROR_ARGUMENT,
-            "environment '%s': there is none of that name; use white or sky", name);
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "environment '%s' is not known; use white or sky", name);
     return strcmp(name, "white") == 0 ? rsv_scene_set_environment(scene, &environment)
                                       : set_sky(scene, environment);
 }

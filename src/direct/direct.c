@@ -29,8 +29,8 @@ static void sample_emitters(const rsv_direct_job *job, const rsv_node_receivers 
         rsv_event_sums_add(sums, &event[k], passed[k]);
 }
 
-static rsv_direct_estimate from_emitters(
-    const rsv_direct_job *job, const rsv_node_receivers *receivers, rsv_direct_rays rays)
+static rsv_direct_estimate from_emitters(const rsv_direct_job *job, uint32_t node,
+    const rsv_node_receivers *receivers, rsv_direct_rays rays)
 {
     const rsv_direct_setting *s = &job->setting;
     rsv_local_lights local[LANES];
@@ -41,6 +41,8 @@ static rsv_direct_estimate from_emitters(
         if (receivers->valid >> k & 1) rsv_receiver_weigh(&receivers->at[k], s->lights, &local[k]);
     bool by_tree = rsv_direct_unshadowed(s, receivers, local, valid, &unshadowed);
     if (!by_tree && rgb_is_black(unshadowed)) return rsv_direct_no_estimate();
+    if (job->whole && !by_tree)
+        rays.samples = rsv_direct_samples_by_share(job, node, unshadowed, rays.samples);
     rsv_event_sums sums = rsv_event_sums_zero();
     for (uint32_t first = 0; first < rays.samples; first += rays.lanes)
         sample_emitters(job, receivers, local, first, rays.lanes, &sums);
@@ -82,7 +84,7 @@ static rsv_direct_estimate estimate_from(
 {
     rsv_node_receivers receivers;
     rsv_direct_receive(job, node, valid, &receivers);
-    rsv_direct_estimate e = from_emitters(job, &receivers, rays);
+    rsv_direct_estimate e = from_emitters(job, node, &receivers, rays);
     uint32_t near_lights = rsv_near_punctual(job, node);
     add_punctual(job, &receivers, near_lights, &e);
     if (near_lights) rsv_near_punctual_add(job, &receivers, node, near_lights, &e);
@@ -130,7 +132,8 @@ static size_t list_nodes(
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
         light->irradiance[node] = rgb_gray(0);
         if (light->deviation) light->deviation[node] = 0;
-        if (job->valid_points[node]) list[count++] = (uint32_t)node;
+        bool dark = job->whole && rgb_is_black(job->whole[node]);
+        if (job->valid_points[node] && !dark) list[count++] = (uint32_t)node;
     }
     return count;
 }

@@ -2,6 +2,8 @@
 
 #include "direct_constants.h"
 
+#include <math.h>
+
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *r)
 {
@@ -49,4 +51,16 @@ rsv_direct_rays rsv_direct_look_rays(const rsv_direct_job *job)
 {
     uint32_t samples = job->samples < RSV_DIRECT_LANES ? RSV_DIRECT_LANES : job->samples;
     return (rsv_direct_rays){ samples, RSV_DIRECT_LANES };
+}
+
+uint32_t rsv_direct_samples_by_share(
+    const rsv_direct_job *job, uint32_t node, rsv_rgb unshadowed, uint32_t samples)
+{
+    float share = 0;
+    const rsv_rgb whole = job->whole[node];
+    for (int c = 0; c < 3; c++)
+        if ((&whole.r)[c] > 0) share = f_max(share, (&unshadowed.r)[c] / (&whole.r)[c]);
+    if (share >= 1) return samples;
+    uint32_t packets = (uint32_t)ceilf(share * (float)samples / RSV_DIRECT_LANES);
+    return (packets > 0 ? packets : 1) * RSV_DIRECT_LANES;
 }

@@ -17,6 +17,9 @@ typedef struct rsv_direct_job {
     uint32_t samples;
     const uint16_t
         *valid_points; ///< [node_count] from rsv_find_buried with the setting's points and seed
+    /// [node_count] light of a whole of which the lights are a part: each node gets shadow rays by the part's share of
+    /// it, at least 16, and none where the whole is dark. NULL = all nodes get the same. Devices ignore it.
+    const rsv_rgb *whole;
 } rsv_direct_job;
 
 /// Result of a pass.
@@ -46,5 +49,8 @@ uint32_t rsv_direct_preview_points(const rsv_direct_job *job, uint32_t node);
 rsv_direct_rays rsv_direct_preview_rays(const rsv_direct_job *job);
 /// Rays of a node that a preview has seen in part, or of any where there are none.
 rsv_direct_rays rsv_direct_look_rays(const rsv_direct_job *job);
+/// How many of these the share of a whole asks for. @param unshadowed light of the part at the node
+uint32_t rsv_direct_samples_by_share(
+    const rsv_direct_job *job, uint32_t node, rsv_rgb unshadowed, uint32_t samples);
 
 #endif

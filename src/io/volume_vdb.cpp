@@ -97,15 +97,14 @@ rsv_status place(const GridBase &grid, const CoordBBox &box, rsv_vdb_header &hea
     return RSV_OK;
 }
 
-/// @param box of the points, with one more layer all around that is empty
+/// @param box of the points, with an empty layer of one point around it
 template <typename Grid>
 rsv_status fill(const Grid &grid, const CoordBBox &box, std::vector<float> &density)
 {
     const openvdb::Coord dim = box.dim();
     const size_t line = size_t(dim.x()), plane = line * size_t(dim.y());
     if (grid.background() != 0)
-        return fail(RSV_ERROR_UNSUPPORTED,
-            "its density is %g all around, without end; it must be 0 there",
+        return fail(RSV_ERROR_UNSUPPORTED, "its background density is %g; it must be 0",
             double(grid.background()));
     density.resize(plane * size_t(dim.z()));
     for (auto value = grid.cbeginValueOn(); value; ++value) {

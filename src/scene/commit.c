@@ -33,14 +33,25 @@ static const char *name_of_farthest(const rsv_scene *scene)
     return scene->object_name[farthest];
 }
 
+static float reach_of(bounding_box bounds)
+{
+    return f_max(v3_max_abs(bounds.low), v3_max_abs(bounds.high));
+}
+
+static rsv_status check_reach(const rsv_scene *scene, bounding_box bounds)
+{
+    float reach = reach_of(bounds);
+    if (reach <= LARGEST_COORDINATE) return RSV_OK;
+    return rsv_fail(RSV_ERROR_SCENE,
+        "object '%s' reaches to a coordinate of %.3g m: scale the scene to below %.0e m",
+        name_of_farthest(scene), reach, LARGEST_COORDINATE);
+}
+
 static rsv_status check_size(const rsv_scene *scene, bounding_box bounds)
 {
-    float reach = f_max(v3_max_abs(bounds.low), v3_max_abs(bounds.high));
-    float size = v3_max_abs(v3_sub(bounds.high, bounds.low));
-    if (!(reach <= LARGEST_COORDINATE))
-        return rsv_fail(RSV_ERROR_SCENE,
-            "object '%s' reaches to a coordinate of %.3g m: scale the scene to below %.0e m",
-            name_of_farthest(scene), reach, LARGEST_COORDINATE);
+    float reach = reach_of(bounds), size = v3_max_abs(v3_sub(bounds.high, bounds.low));
+    rsv_status status = check_reach(scene, bounds);
+    if (status != RSV_OK) return status;
     if (!(size >= SMALLEST_SIZE))
         return rsv_fail(RSV_ERROR_SCENE,
             "the whole scene is %.3g m across: scale it to more than %.0e m", size, SMALLEST_SIZE);
@@ -88,6 +99,8 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
 rsv_status rsv_scene_update_bounds(rsv_scene *scene)
 {
     bounding_box bounds = find_bounds(scene);
+    rsv_status status = check_reach(scene, bounds);
+    if (status != RSV_OK) return status;
     scene->view.bounds_min = bounds.low;
     scene->view.bounds_max = bounds.high;
     return rsv_scene_move_twins(scene);

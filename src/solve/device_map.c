@@ -112,7 +112,7 @@ rsv_status rsv_device_map_measure(
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     if (!m || !m->transport)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: there is none that holds this operator");
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: no device holds this operator");
     rsv_status status =
         m->table->measure(m->transport, repetitions, copy_rate, seconds, bytes, message);
     if (status == RSV_OK) return RSV_OK;

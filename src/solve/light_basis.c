@@ -285,6 +285,7 @@ static rsv_direct_job job_of(
     job.setting.seed = rsv_level_seed(s->desc.seed);
     job.samples = effort->fine_samples;
     job.valid_points = effort->valid;
+    job.whole = effort->fine_whole;
     return job;
 }
 
@@ -357,14 +358,23 @@ static const rsv_elements *level_of(const rsv_light *s, size_t field)
     return field == CAUSTIC ? s->field.caustics.elements : NULL;
 }
 
+/// @param total out, of a field; freed by the caller
+static rsv_status create_total(const rsv_light *s, size_t field, rsv_rgb **total)
+{
+    *total = rsv_alloc(s->context, rsv_light_field_length(s, field), sizeof **total);
+    if (!*total) return RSV_ERROR_MEMORY;
+    rsv_light_total(s, field, *total);
+    return RSV_OK;
+}
+
 /// Divides a field in proportion to the separate estimates of the sources. On levels, every part is as continuous as
 /// the total, so that finer elements can represent it exactly.
 static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
 {
     size_t length = rsv_light_field_length(s, field), count = b->source_count;
-    rsv_rgb *total = rsv_alloc(s->context, length, sizeof *total);
-    if (!total) return RSV_ERROR_MEMORY;
-    rsv_light_total(s, field, total);
+    rsv_rgb *total;
+    rsv_status status = create_total(s, field, &total);
+    if (status != RSV_OK) return status;
     for (size_t n = 0; n < length; n++) {
         rsv_rgb sum = rgb_gray(0);
         for (size_t k = 0; k < count; k++)
@@ -383,29 +393,42 @@ static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
     return RSV_OK;
 }
 
+/// Estimates all parts. On levels, with no more rays than it takes to say how the light of the whole is divided; coarse
+/// elements are few, and each one affects all others.
+static rsv_status estimate_parts(const rsv_light *s, rsv_light_basis *b)
+{
+    rsv_status status;
+    uint16_t *valid = NULL;
+    uint64_t rays = 0;
+    rsv_rgb *fine = NULL;
+    RSV_TRY(rsv_find_fine_valid(s, &valid));
+    if (s->field.fine.elements) RSV_TRY(create_total(s, FINE, &fine));
+    rsv_light_effort effort = rsv_full_light_effort(s, valid);
+    effort.fine_whole = fine;
+    if (b->source_count > RSV_FULL_PHOTON_SOURCES)
+        effort.photons =
+            (uint32_t)((uint64_t)effort.photons * RSV_FULL_PHOTON_SOURCES / b->source_count) + 1;
+    for (size_t k = 0; k < b->source_count; k++)
+        RSV_TRY(rsv_light_part_estimate(
+            s, s->sources->lights, &b->source[k], &effort, &b->part[k], &rays));
+cleanup:
+    rsv_free(s->context, valid);
+    rsv_free(s->context, fine);
+    return status;
+}
+
 rsv_status rsv_light_basis_create(const rsv_light *s, rsv_light_basis **basis)
 {
     rsv_status status;
     rsv_light_basis *b = NULL;
-    uint16_t *valid = NULL;
-    uint64_t rays = 0;
     RSV_TRY(rsv_light_basis_create_empty(s, &b));
     bool many = rsv_light_keeps_parts(s, b);
-    if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
-    rsv_light_effort effort = rsv_full_light_effort(s, valid);
-    // parts only say how the light of the whole is divided
-    if (b->source_count > RSV_FULL_PHOTON_SOURCES)
-        effort.photons =
-            (uint32_t)((uint64_t)effort.photons * RSV_FULL_PHOTON_SOURCES / b->source_count) + 1;
-    for (size_t k = 0; many && k < b->source_count; k++)
-        RSV_TRY(rsv_light_part_estimate(
-            s, s->sources->lights, &b->source[k], &effort, &b->part[k], &rays));
+    if (many) RSV_TRY(estimate_parts(s, b));
     for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)
         RSV_TRY(divide(s, b, field));
     *basis = b;
     b = NULL;
 cleanup:
-    rsv_free(s->context, valid);
     rsv_light_basis_destroy(b);
     return status;
 }

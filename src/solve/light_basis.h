@@ -52,6 +52,8 @@ typedef struct rsv_light_effort {
     const uint16_t *valid;
     const rsv_receiver_blocks *coarse,
         *fine; ///< of either level, where a preview will do; NULL = nowhere
+    /// Light of all sources on the direct level: nodes get shadow rays by the source's share of it. NULL = all of them
+    const rsv_rgb *fine_whole;
 } rsv_light_effort;
 
 /// The full effort of the solution's own description. @param valid borrowed

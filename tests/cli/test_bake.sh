@@ -260,6 +260,24 @@ for case in 'outside:leave the unit square' 'overlapping:overlap' 'flat:have no 
     says '^coverage    [6-9][0-9]'
 done
 succeeds bake sliver.gltf -o "$out/x.glb" "${few[@]}"
+# many lights: what their basis takes is said before the work
+python3 - >many.gltf <<'PYTHON'
+import base64, json, struct
+corners = struct.pack("<9f", 0, 0, 0, 0, 0, 1, 1, 0, 0)
+lights = [{"type": "point", "name": f"lamp {k}", "intensity": 1} for k in range(40)]
+nodes = [{"translation": [0.02 * k, 1, 0.3], "extensions": {"KHR_lights_punctual": {"light": k}}} for k in range(40)]
+print(json.dumps({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"],
+    "extensions": {"KHR_lights_punctual": {"lights": lights}}, "nodes": nodes + [{"mesh": 0}], "scenes": [{"nodes": list(range(41))}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 1]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri": "data:;base64," + base64.b64encode(corners).decode()}]}))
+PYTHON
+succeeds bake many.gltf -o many.glb --to vertex --basis --packed --quality draft --max-elements 50
+warns 'basis of 40 lights is computed light by light'
+warns 'basis of 40 lights at [0-9]* receivers takes about [0-9.]* MB in its file'
+
 # two floors, the right one darker: its texture coordinates lie upon the other's or collapse, and are made anew; or both touch
 # on the border, and each keeps its light
 python3 - <<'TEXT' || complain "the floors cannot be written"

@@ -56,6 +56,9 @@ wrong() { # COMMAND MESSAGE
 }
 wrong 'object sofa' "no object 'sofa'"
 wrong 'resize 0' 'above 0'
+printf '0 object "short block"\n0 resize 1000000\n0 resize 100000\n' >bad.txt
+refuses 1 'reaches to a coordinate' view room.safetensors "${quick[@]}" --script bad.txt --record "$work/bad"
+rm -rf "$work/bad"
 wrong 'save room.obj' 'does not end in .glb'
 wrong undo 'nothing to undo'
 printf '0 object "short block"\n0 shift 0 0 0.1\n1 play\n' >bad.txt

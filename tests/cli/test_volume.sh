@@ -28,7 +28,7 @@ says 'rmse  *0$'
 # -- bad ones
 
 for pair in "half:damaged" "vectors:velocity" "empty:is empty" "none:no grid" "huge:1000 x 1000 x 1000" \
-    "endless:all around" "negative:0 or more" "turned:along the axes" "surface:no level set"; do
+    "endless:background density" "negative:0 or more" "turned:along the axes" "surface:no level set"; do
     file=${pair%%:*}.vdb
     refuses 1 "$file: .*${pair#*:}" render furnace -o "$out/a.png" "${small[@]}" --fog 1 --volume $file
 done

@@ -11,6 +11,8 @@
 #include "resolvent/trace.h"
 #include "slow_tests.h"
 
+#include <inttypes.h>
+
 /// Texels or vertices that are looked at, about and at most.
 #define WANTED 200
 #define MOST_VALUES (2 * WANTED + 16)
@@ -232,6 +234,78 @@ static void many_lamps_add_up_to_the_whole(void **state)
     world_end(w);
 }
 
+// ---- a weak lamp beside a strong one ----------------------------------------------------------------
+
+/// A plate that throws the shadows of both on the floor.
+static world *two_lamps(void)
+{
+    world *w = world_begin(2);
+    uint32_t gray = world_lambert(w, 0.5f, 0), weak, strong;
+    rsv_material lamp = lambert_material(0, 5);
+    lamp.name = "strong";
+    strong = world_material(w, lamp);
+    lamp = lambert_material(0, 0.25f);
+    lamp.name = "weak";
+    weak = world_material(w, lamp);
+    world_quad(w, gray, v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1));
+    world_quad(w, gray, v3(-0.3f, 0.3f, 0.3f), v3(0.3f, 0.3f, 0.3f), v3(0.3f, 0.3f, -0.3f),
+        v3(-0.3f, 0.3f, -0.3f));
+    world_quad(w, strong, v3(-0.8f, 1, -0.2f), v3(-0.4f, 1, -0.2f), v3(-0.4f, 1, 0.2f),
+        v3(-0.8f, 1, 0.2f));
+    world_quad(
+        w, weak, v3(0.4f, 1, -0.2f), v3(0.8f, 1, -0.2f), v3(0.8f, 1, 0.2f), v3(0.4f, 1, 0.2f));
+    world_commit(w);
+    return w;
+}
+
+/// A part by its share of the rays is that of all rays, up to noise in penumbrae.
+static void weak_lamps_get_fewer_rays_and_the_same_light(void **state)
+{
+    (void)state;
+    world *w = two_lamps();
+    rsv_light *light = solve(w->scene, 64);
+    const rsv_light_view *s = inside(light);
+    const rsv_lights *lights = rsv_light_get_sources(light)->lights;
+    rsv_light_basis *basis;
+    uint16_t *valid;
+    uint64_t rays[2][2] = { { 0 } };
+    assert_int_equal(rsv_light_basis_create_empty(light, &basis), RSV_OK);
+    assert_int_equal(rsv_find_fine_valid(light, &valid), RSV_OK);
+    assert_int_equal(basis->source_count, 2);
+    for (size_t k = 0; k < 2; k++) {
+        rsv_light_part part[2] = { { 0 } };
+        double sum = 0, off = 0, bias = 0;
+        for (int shared = 0; shared < 2; shared++) {
+            rsv_light_effort effort = rsv_full_light_effort(light, valid);
+            effort.fine_whole = shared ? s->fine.direct : NULL;
+            assert_int_equal(rsv_light_part_estimate(light, lights, &basis->source[k], &effort,
+                                 &part[shared], &rays[k][shared]),
+                RSV_OK);
+        }
+        for (size_t n = 0; n < s->fine.elements->node_count; n++) {
+            if (rgb_is_black(s->fine.direct[n])) continue; // there is nothing to divide
+            double difference = (double)part[1].fine[n].g - (double)part[0].fine[n].g;
+            sum += (double)part[0].fine[n].g;
+            off += fabs(difference);
+            bias += difference;
+        }
+        print_message("%s: %" PRIu64 " rays instead of %" PRIu64
+                      ", off by %.3g, in the mean %.3g\n",
+            basis->source[k].name, rays[k][1], rays[k][0], off / sum, bias / sum);
+        assert_true(off < 0.03 * sum);
+        assert_true(fabs(bias) < 0.003 * sum);
+        rsv_light_part_free(w->context, &part[0]);
+        rsv_light_part_free(w->context, &part[1]);
+    }
+    for (size_t k = 0; k < 2; k++)
+        if (strcmp(basis->source[k].name, "weak") == 0)
+            assert_true((double)rays[k][1] < 0.6 * (double)rays[k][0]);
+    rsv_free(w->context, valid);
+    rsv_light_basis_destroy(basis);
+    rsv_light_destroy(light);
+    world_end(w);
+}
+
 // ---- noise ----------------------------------------------------------------------------------------
 
 #define SIDE 48
@@ -423,6 +497,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(light_of_a_shaded_bulb_is_what_is_path_traced),
         cmocka_unit_test(bakes_do_not_depend_on_threads),
         cmocka_unit_test(many_lamps_add_up_to_the_whole),
+        cmocka_unit_test(weak_lamps_get_fewer_rays_and_the_same_light),
         cmocka_unit_test(smoothing_takes_noise_of_rows_away),
     };
     return RUN_HALF(argc, argv, quick, slow);

@@ -95,6 +95,16 @@ static void versions_are_mixed(void **state)
     rsv_scene_destroy(room);
 }
 
+/// What would be refused in a file is refused where it comes about by moving.
+static void objects_do_not_grow_beyond_all_bounds(void **state)
+{
+    rsv_scene *room = open_room(((fixture *)*state)->context), *moved = NULL;
+    const rsv_motion huge = { 5, { 1e10f, 0, 0, 0, 0, 1e10f, 0, 0, 0, 0, 1e10f, 0, 0, 0, 0, 1 } };
+    assert_int_equal(rsv_scene_move(room, &huge, 1, &moved), RSV_ERROR_SCENE);
+    assert_non_null(strstr(rsv_last_error(), "'short block' reaches to a coordinate"));
+    rsv_scene_destroy(room);
+}
+
 static void assert_refused(
     const rsv_scene *room, rsv_scene_edit edit, rsv_status wanted, const char *why)
 {
@@ -156,6 +166,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(objects_go_and_come_bit_for_bit),
         CASE(versions_are_mixed),
+        CASE(objects_do_not_grow_beyond_all_bounds),
         CASE(bad_edits_are_refused),
         CASE(updates_reuse_what_stayed),
     };

@@ -72,8 +72,13 @@ export class PageTest {
         for (const barrier of await findBarriers(page, this.load)) this.check(false, barrier);
     }
 
-    /// Mean difference per channel from one of our own pictures.
-    async compare(page, picture, most = 0.02) {
+    /// Mean difference per channel from one of our own pictures. @param exposure of that picture, stops
+    async compare(page, picture, most = 0.02, exposure = 0) {
+        await page.evaluate((stops) => {
+            const slider = document.querySelector("#exposure");
+            Object.assign(slider, { min: -64, max: 64, value: stops });
+            slider.dispatchEvent(new Event("input"));
+        }, exposure);
         const difference = await page.evaluate((url) => window.page.then((shown) => shown.compareWith(url)), picture);
         console.log(`${picture}: mean difference per channel`, difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
         this.check(difference.every((d) => d <= most), `the page differs from ${picture}`);

@@ -1,9 +1,9 @@
 // The page in headless Chromium: baked scenes look like our own pictures, follow their lights, and say what is wrong.
-// usage: test_page.mjs WEB_FOLDER BUILT_PAGE [FOLDER_FOR_SCREENSHOTS]
+// usage: test_page.mjs WEB_FOLDER BUILT_PAGE EXPOSURE_OF_FRAMED [FOLDER_FOR_SCREENSHOTS]
 import { join } from "node:path";
 import { PageTest } from "./browser.mjs";
 
-const [web, page_folder, screenshots] = process.argv.slice(2);
+const [web, page_folder, own_stops, screenshots] = process.argv.slice(2);
 const test = await PageTest.create(web, page_folder, 256);
 
 /// The largest channel of what is shown.
@@ -66,8 +66,11 @@ test.check(await colored.locator("#message").isHidden(), `colours: "${await colo
 await test.compare(colored, "scene/colored.png");
 await photograph(colored, "web-colored.png");
 
-// without a camera all is seen, as in our own picture
+// without a camera all is seen, as in our own picture, whose exposure was chosen as the page chooses its own
 const framed = await test.open("?scene=scene/framed");
+const stops = Number(await framed.locator("#exposure").inputValue());
+console.log(`exposure ${stops.toFixed(2)} stops, of our own picture ${own_stops}`);
+test.check(Math.abs(stops - own_stops) <= 0.1, "the page chooses another exposure than our own picture has");
 await test.compare(framed, "scene/framed.png");
 
 // and so it is in a view of any shape: a narrow one shows as much from side to side, a wide one from top to bottom

@@ -47,4 +47,8 @@ cp "$page/scene/box.png" "$page/mixed/picture.glb"
 # a mesh packed by Draco is written plain
 "$program" bake "$source/tests/fuzz/seeds/packed.gltf" -o "$work/unpacked.glb" --to lightmap --quality draft
 node "$source/tests/web/validate.mjs" "$source/web" "$page"/scene/{box,hill,map,colored}.glb "$work/unpacked.glb"
-node "$source/tests/web/test_page.mjs" "$source/web" "$page"
+# the exposure that is chosen for a picture of that box
+"$program" render "$work/framed.glb" -o "$work/exposed.png" --mode operator --quality draft --max-elements 800 \
+    --size 128x128 --spp 4 2>"$work/said"
+stops=$(sed -n 's/.*exposure \([-+][0-9.]*\) stops.*/\1/p' "$work/said")
+node "$source/tests/web/test_page.mjs" "$source/web" "$page" "$stops"

@@ -1,4 +1,4 @@
-/// Baked scenes for three.js, relit when their lamps change.
+/// Baked scenes for three.js, relit when their lights change.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { MapLight, VertexLight } from "./light.js";
@@ -72,7 +72,7 @@ export class RelightableScene {
         return index;
     }
 
-    /// Names of the lamps.
+    /// Names of the lights.
     get lights() {
         return [...this.#basis.names];
     }
