@@ -5,6 +5,7 @@
 #include "stats.h"
 
 #include "resolvent/lightmix.h"
+#include "resolvent/plan.h"
 
 #include <cJSON.h>
 #include <math.h>
@@ -17,6 +18,9 @@ enum { wanted_count = sizeof wanted / sizeof wanted[0] };
 /// Camera rays per pixel of the measured pictures, up to the first with a smaller error than all targets.
 static const uint32_t ladder[] = { 1, 4, 16, 64 };
 enum { ladder_count = sizeof ladder / sizeof ladder[0], quality_count = 3 };
+
+/// After the qualities: pictures that are planned for the wanted errors, solution included.
+enum { PLANNED = quality_count, way_count };
 
 typedef enum view_kind { FIRST, SECOND, RELIT, VIEWS } view_kind;
 
@@ -41,10 +45,10 @@ typedef struct measurement {
     const cli_bench_task *bench;
     rsv_scene *scene;
     cli_judged_view view[2];
-    cli_cost load, solve[quality_count], prepare[quality_count];
-    curve curve[quality_count][VIEWS]; ///< of relit views: one picture at most
-    double deadline;                   ///< by the clock
-    bool cut_short;                    ///< for want of time
+    cli_cost load, solve[way_count], prepare[quality_count];
+    curve curve[way_count][VIEWS]; ///< of relit views: one picture at most
+    double deadline;               ///< by the clock
+    bool cut_short;                ///< for want of time
     cJSON *points;
 } measurement;
 
@@ -58,12 +62,14 @@ static bool has_time(measurement *m, double seconds)
 
 // ---- measurements -------------------------------------------------------------------------------
 
+static const char *way_name(int way) { return way == PLANNED ? "plan" : cli_quality_names[way]; }
+
 static void describe_point(
     const measurement *m, int quality, view_kind view, uint32_t samples, const curve *c)
 {
     size_t last = c->count - 1;
     cJSON *point = cJSON_CreateObject();
-    cJSON_AddStringToObject(point, "quality", cli_quality_names[quality]);
+    cJSON_AddStringToObject(point, "quality", way_name(quality));
     cJSON_AddStringToObject(point, "view", view_names[view]);
     cJSON_AddNumberToObject(point, "spp", samples);
     cJSON_AddNumberToObject(point, "seconds", c->cost[last].seconds);
@@ -100,6 +106,33 @@ static rsv_status climb(measurement *m, const rsv_light *light, int quality, vie
         c->error[k] = error;
         c->count++;
         describe_point(m, quality, view, ladder[k], c);
+    }
+    return status;
+}
+
+/// First pictures as `render --error` makes them, for each of the wanted errors.
+static rsv_status plan_pictures(measurement *m)
+{
+    curve *c = &m->curve[PLANNED][FIRST];
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < wanted_count && status == RSV_OK; k++) {
+        if (k > 0 && !has_time(m, NEXT_PICTURE * c->cost[k - 1].seconds)) break;
+        rsv_plan_desc desc = rsv_default_plan_desc();
+        rsv_render_desc picture = cli_describe_view(&m->view[FIRST], 1);
+        rsv_picture_plan plan;
+        rsv_light *light = NULL;
+        rsv_image *image = NULL;
+        desc.relative_error = sqrt(wanted[k]);
+        cli_cost started = cli_cost_now();
+        status = rsv_render_planned(m->scene, &desc, &picture, &light, &image, &plan);
+        c->cost[k] = cli_cost_since(started);
+        if (status == RSV_OK) status = cli_judge_view(&m->view[FIRST], image, &c->error[k]);
+        rsv_image_destroy(image);
+        rsv_light_destroy(light);
+        if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+        if (status != RSV_OK) break;
+        c->count++;
+        describe_point(m, PLANNED, FIRST, plan.samples, c);
     }
     return status;
 }
@@ -211,21 +244,28 @@ static cli_cost cost_of(const measurement *m, int quality, view_kind view, doubl
     return view == FIRST ? add(picture, add(m->load, m->solve[quality])) : picture;
 }
 
-/// The quality by which an error is reached soonest. An error that none reaches has no numbers.
-static cJSON *describe_time(const measurement *m, view_kind view, double error)
+/// How an error is reached soonest.
+static int best_way(const measurement *m, view_kind view, double error)
 {
-    int best = 0;
-    cJSON *time = cJSON_CreateObject();
-    for (int q = 1; q <= m->bench->quality; q++)
+    int best = PLANNED;
+    for (int q = 0; q <= m->bench->quality; q++)
         if (cost_of(m, q, view, error).cpu_seconds < cost_of(m, best, view, error).cpu_seconds)
             best = q;
+    return best;
+}
+
+/// An error that no picture reaches has no numbers.
+static cJSON *describe_time(const measurement *m, view_kind view, double error)
+{
+    int best = best_way(m, view, error);
+    cJSON *time = cJSON_CreateObject();
     cli_cost ours = cost_of(m, best, view, error);
     double reference = cli_reference_seconds(&m->view[view == SECOND ? SECOND : FIRST], error);
     if (view == FIRST) reference += m->load.cpu_seconds;
     bool reached = isfinite(ours.cpu_seconds);
     cJSON_AddStringToObject(time, "view", view_names[view]);
     cJSON_AddNumberToObject(time, "relative_mse", error);
-    if (reached) cJSON_AddStringToObject(time, "quality", cli_quality_names[best]);
+    if (reached) cJSON_AddStringToObject(time, "quality", way_name(best));
     cJSON_AddNumberToObject(time, "seconds", reached ? ours.seconds : NAN);
     cJSON_AddNumberToObject(time, "cpu_seconds", reached ? ours.cpu_seconds : NAN);
     cJSON_AddNumberToObject(time, "reference_cpu_seconds", reference);
@@ -238,6 +278,7 @@ static rsv_status measure(measurement *m, const char *name, cJSON *result)
     double seconds = REFERENCE_SHARE * (m->deadline - cli_seconds());
     rsv_status status = cli_judged_views_create(m->bench, m->scene, name, seconds, m->view);
     m->points = cJSON_AddArrayToObject(result, "points");
+    if (status == RSV_OK) status = plan_pictures(m);
     for (int q = 0; q <= m->bench->quality && status == RSV_OK; q++)
         status = measure_quality(m, q);
     if (status != RSV_OK) return status;
@@ -302,7 +343,7 @@ void cli_print_pictures(const cJSON *result)
 void cli_print_pictures_summary(const cJSON *scenes)
 {
     const cJSON *s, *time;
-    puts("\n| scene | view | relative MSE | best fixed quality | clock, s | processors, s | mode "
+    puts("\n| scene | view | relative MSE | plan or quality | clock, s | processors, s | mode "
          "reference, s | times as fast |\n|---|---|---|---|---|---|---|---|");
     cJSON_ArrayForEach(s, scenes)
     {
