@@ -405,6 +405,9 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
+    if ((s->bench.cache && !cli_make_folder("--cache", s->bench.cache, NULL)) ||
+        (s->bench.strips && !cli_make_folder("--strips", s->bench.strips, NULL)))
+        return CLI_FAILURE;
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||
         (s->stats && !cli_check_output(s->stats)))
         return CLI_FAILURE;

@@ -15,12 +15,10 @@
 #include "view/view_window.h"
 
 #include <cJSON.h>
-#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const char help[] =
@@ -217,16 +215,6 @@ static rsv_status expose(viewer *v)
     return status;
 }
 
-/// The folder for frames, made if it is not there.
-static bool make_folder(viewer *v, const char *path)
-{
-    struct stat info;
-    v->made_folder = mkdir(path, 0777) == 0;
-    if (v->made_folder || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))) return true;
-    cli_error("--record %s: the folder cannot be made: %s", path, strerror(errno));
-    return false;
-}
-
 static bool set_canvas(cli_canvas *canvas, uint32_t width, uint32_t height)
 {
     if (canvas->pixel && canvas->width == width && canvas->height == height) return true;
@@ -326,7 +314,7 @@ static bool open_viewer(viewer *v)
     if (s->script && !cli_read_view_script(s->script, &v->script)) return false;
     v->frame_count = count_frames(v);
     snprintf(title, sizeof title, "%.200s - resolvent", s->scene);
-    if (s->record && !make_folder(v, s->record)) return false;
+    if (s->record && !cli_make_folder("--record", s->record, &v->made_folder)) return false;
     if (!s->record) v->window = cli_window_open(title, s->size.width, s->size.height);
     if (!s->record && !v->window) return false;
     const char *slash = strrchr(s->scene, '/');

@@ -61,6 +61,17 @@ static bool is_same_file(const char *a, const char *b)
            one.st_ino == other.st_ino;
 }
 
+bool cli_make_folder(const char *option, const char *path, bool *made)
+{
+    struct stat info;
+    bool is_new = mkdir(path, 0777) == 0;
+    int cause = errno;
+    if (made) *made = is_new;
+    if (is_new || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))) return true;
+    cli_error("%s %s: the folder cannot be made: %s", option, path, strerror(cause));
+    return false;
+}
+
 bool cli_check_apart(const char *path, const char *other)
 {
     if (!path || !other || is_special_file(path) || !is_same_file(path, other)) return true;

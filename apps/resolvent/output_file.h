@@ -10,6 +10,10 @@ bool cli_ends_in(const char *path, const char *end);
 /// Whether `path` can be written, to be checked before long work; prints an error if not.
 bool cli_check_output(const char *path);
 
+/// The folder `path`, made if it is not there; prints an error that names the option if it cannot be.
+/// @param made out: whether it was not there; may be NULL
+bool cli_make_folder(const char *option, const char *path, bool *made);
+
 /// Whether writing `path` leaves the file `other` intact (either may be NULL: no file). Prints an error if they are the
 /// same file.
 bool cli_check_apart(const char *path, const char *other);

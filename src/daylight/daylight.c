@@ -130,7 +130,7 @@ static rsv_status find_coefficients(rsv_daylight *d)
     rsv_status status;
     RSV_TRY(rsv_stored_noise_create(d->light, false, &noise));
     RSV_TRY(rsv_node_escapes_find(d, &escapes));
-    job.gray = rsv_importance_is_gray(d);
+    job.gray = rsv_operator_is_gray(d->light->op);
     size_t block = job.gray ? RSV_SENSOR_BLOCK : RSV_SENSOR_FIELDS;
     RSV_TRY(rsv_operator_map(d->light->op, block, &job.map));
     RSV_TRY(rsv_transport_map_transpose(job.map));

@@ -9,8 +9,6 @@
 
 #define ROUNDING 1e-5f ///< of weights, relative
 
-static bool is_gray(rsv_rgb c) { return c.r == c.g && c.g == c.b; }
-
 /// The parts that channels of a gray light have in its luminance.
 static rsv_rgb parts_of(float luminance)
 {
@@ -26,19 +24,6 @@ static bool are_parts_of_gray(rsv_rgb w)
     float sum = sum_of(w);
     rsv_rgb off = rgb_sub(w, parts_of(sum));
     return fmaxf(fmaxf(fabsf(off.r), fabsf(off.g)), fabsf(off.b)) <= ROUNDING * fabsf(sum);
-}
-
-bool rsv_importance_is_gray(const rsv_daylight *d)
-{
-    const rsv_operator_view *op = rsv_operator_get_view(d->light->op);
-    if (op->subsurface || op->transport->division) return false;
-    for (size_t n = 0; n < op->elements->node_count; n++) {
-        rsv_transport_row row = rsv_transport_row_at(op->transport, n);
-        if (!is_gray(op->albedo[n])) return false;
-        for (size_t k = 0; k < row.tinted_count; k++)
-            if (!is_gray(row.tinted_weight[k])) return false;
-    }
-    return true;
 }
 
 rsv_status rsv_importance_create(const rsv_daylight *d, size_t sensors, rsv_importance *m)

@@ -18,15 +18,12 @@ typedef struct rsv_importance {
     rsv_rgb *worth;  ///< [node_count][fields] z
 } rsv_importance;
 
-/// Whether the operator treats all channels of light alike.
-bool rsv_importance_is_gray(const rsv_daylight *daylight);
-
 rsv_status rsv_importance_create(
     const rsv_daylight *daylight, size_t sensors, rsv_importance *importance);
 void rsv_importance_destroy(const rsv_daylight *daylight, rsv_importance *importance);
 
 /// From `weight` to `worth`. @param map of the operator, transposed, for as many fields as sensors
-/// @param gray rsv_importance_is_gray
+/// @param gray rsv_operator_is_gray
 rsv_status rsv_importance_solve(
     const rsv_daylight *daylight, rsv_transport_map *map, bool gray, rsv_importance *importance);
 

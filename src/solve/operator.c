@@ -211,3 +211,18 @@ void rsv_operator_release(rsv_operator *op)
     rsv_free(context, op);
     rsv_operator_release(base);
 }
+
+static bool is_gray(rsv_rgb c) { return c.r == c.g && c.g == c.b; }
+
+bool rsv_operator_is_gray(const rsv_operator *op)
+{
+    const rsv_operator_view *v = rsv_operator_get_view(op);
+    if (v->subsurface || v->transport->division) return false;
+    for (size_t n = 0; n < v->elements->node_count; n++) {
+        rsv_transport_row row = rsv_transport_row_at(v->transport, n);
+        if (!is_gray(v->albedo[n])) return false;
+        for (size_t k = 0; k < row.tinted_count; k++)
+            if (!is_gray(row.tinted_weight[k])) return false;
+    }
+    return true;
+}

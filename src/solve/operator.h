@@ -43,6 +43,10 @@ rsv_status rsv_operator_scatter(rsv_operator *op);
 
 const rsv_operator_view *rsv_operator_get_view(const rsv_operator *op);
 
+/// Whether all channels of light spread alike, so that three gray fields can share one. Said only where all rows are
+/// here, and light leaves surfaces where it entered.
+bool rsv_operator_is_gray(const rsv_operator *op);
+
 /// Albedo of a node, textured ones as means over their hat functions.
 rsv_rgb rsv_element_albedo(
     const rsv_transport_scene *scene, const rsv_elements *elements, uint32_t seed, uint32_t node);

@@ -80,6 +80,12 @@ if SDL_VIDEODRIVER=dummy "$program" "${view[@]}" --budget 0.01 --stats late.json
 else
     grep -q 'without SDL2' stderr || complain "the view failed: $(cat stderr)"
 fi
+sed 's/"path": "translation"/"path": "scale"/; s/\[0, 0, 0\] + to/[1, 1, 1] + to/' "$here/animate.py" >shrink.py
+python3 shrink.py room.glb shrink.glb short 0 0 0 || complain "cannot animate"
+printf '%s\n' '0 show hud' '1 scrub 0.5' '2 scrub 1' >scrub.txt
+refuses 1 'different triangles.*solve the scene again' view shrink.glb --quality draft --max-elements 700 --size 48x32 \
+    --script scrub.txt --frames 4 --record "$work/x"
+rm -rf "$work/x"
 refuses 2 "'0' is not a number from 0.01" view blocks.glb --budget 0
 
 printf '0 play\n' >play.txt

@@ -94,8 +94,11 @@ static void columns_that_change_nothing_go_where_they_cost_least(void **state)
 
 enum { POINTS = 12 };
 
-/// A floor and a wall, grey or a mirror, under three point lights.
-static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
+/// TINTED: grey but for rounding.
+typedef enum room_kind { COLOURED, MIRROR, GREY, TINTED } room_kind;
+
+/// A floor and a wall under three point lights; where all is grey, so are the lights.
+static rsv_light *room_of(rsv_context *context, room_kind kind, rsv_scene **scene)
 {
     static const float corner[8][3] = { { -2, 0, -2 }, { -2, 0, 2 }, { 2, 0, 2 }, { 2, 0, -2 },
         { -2, 0, -2 }, { 2, 0, -2 }, { 2, 3, -2 }, { -2, 3, -2 } };
@@ -104,7 +107,9 @@ static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
     rsv_material grey = rsv_default_material();
     rsv_light *light;
     uint32_t material, mesh;
-    grey.base_color = rgb(0.6f, 0.5f, 0.4f);
+    bool mirror = kind == MIRROR;
+    grey.base_color = kind < GREY ? rgb(0.6f, 0.5f, 0.4f) : rgb_gray(0.5f);
+    if (kind == TINTED) grey.base_color.b = nextafterf(0.5f, 1);
     grey.specular = 0;
     grey.metallic = mirror ? 1 : 0;
     grey.roughness = mirror ? 0 : 1;
@@ -122,10 +127,11 @@ static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
     ok(rsv_scene_add_instance(*scene, mesh, identity, NULL));
     static const char *const name[3] = { "left", "middle", "right" };
     for (int k = 0; k < 3; k++)
-        ok(rsv_scene_add_light(*scene, &(rsv_punctual_light){ .name = name[k],
-                                           .kind = RSV_PUNCTUAL_POINT,
-                                           .position = { 1.3f * (float)(k - 1), 2, 0.3f },
-                                           .intensity = { 1, 1.5f, 2 } }));
+        ok(rsv_scene_add_light(
+            *scene, &(rsv_punctual_light){ .name = name[k],
+                        .kind = RSV_PUNCTUAL_POINT,
+                        .position = { 1.3f * (float)(k - 1), 2, 0.3f },
+                        .intensity = kind >= GREY ? rgb_gray(1.5f) : rgb(1, 1.5f, 2) }));
     ok(rsv_scene_commit(*scene));
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     ok(rsv_light_create(*scene, &desc, &light));
@@ -134,7 +140,7 @@ static rsv_light *room_of(rsv_context *context, bool mirror, rsv_scene **scene)
 
 static rsv_light *room(rsv_context *context, rsv_scene **scene)
 {
-    return room_of(context, false, scene);
+    return room_of(context, COLOURED, scene);
 }
 
 static void place_points(rsv_fit_wanted wanted[POINTS])
@@ -166,11 +172,11 @@ static void judge(const rsv_light *light, const rsv_rgb factor[3],
     rsv_light_destroy(lit);
 }
 
-static void find_factors_again(fixture *f, bool mirror)
+static void find_factors_again(fixture *f, room_kind kind)
 {
     const rsv_rgb truth[3] = { rgb_gray(0.3f), rgb_gray(0.9f), rgb_gray(0.05f) };
     rsv_scene *scene;
-    rsv_light *light = room_of(f->context, mirror, &scene);
+    rsv_light *light = room_of(f->context, kind, &scene);
     rsv_fit_wanted wanted[POINTS];
     rsv_probe_reading reading[POINTS];
     rsv_fit *fit;
@@ -197,11 +203,36 @@ static void find_factors_again(fixture *f, bool mirror)
 
 static void factors_that_made_readings_are_found_again(void **state)
 {
-    find_factors_again(*state, false);
+    find_factors_again(*state, COLOURED);
 }
 
 /// What mirrors send of lamps is in the readings, too.
-static void lamps_in_mirrors_count(void **state) { find_factors_again(*state, true); }
+static void lamps_in_mirrors_count(void **state) { find_factors_again(*state, MIRROR); }
+
+/// Where nothing has a colour, three lights share a field of the solve; the slightest tint parts them.
+static void grey_lights_are_solved_as_coloured_ones(void **state)
+{
+    fixture *f = *state;
+    rsv_rgb reading[2][POINTS];
+    for (int k = 0; k < 2; k++) {
+        rsv_scene *scene;
+        rsv_light *light = room_of(f->context, k ? TINTED : GREY, &scene);
+        rsv_fit_wanted wanted[POINTS];
+        rsv_fit *fit;
+        rsv_fit_desc desc = rsv_default_fit_desc();
+        place_points(wanted);
+        for (int p = 0; p < POINTS; p++)
+            wanted[p].reading.r = 20 * (float)(p + 1);
+        ok(rsv_fit_create(light, wanted, POINTS, &desc, &fit));
+        for (size_t p = 0; p < POINTS; p++)
+            reading[k][p] = rsv_fit_reading(fit, p);
+        rsv_fit_destroy(fit);
+        rsv_light_destroy(light);
+        rsv_scene_destroy(scene);
+    }
+    for (int p = 0; p < POINTS; p++)
+        assert_float_equal(reading[1][p].r, reading[0][p].r, 1e-5 * reading[0][p].r);
+}
 
 static void colours_are_found_channel_by_channel(void **state)
 {
@@ -304,6 +335,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(
             factors_that_made_readings_are_found_again, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(lamps_in_mirrors_count, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            grey_lights_are_solved_as_coloured_ones, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             colours_are_found_channel_by_channel, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(

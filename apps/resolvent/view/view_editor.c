@@ -524,7 +524,8 @@ bool cli_view_edit(
     if (!e->now.object || !cli_show_is_complete(show)) return true;
     if (changed) {
         bool moves = has_same_parts(&e->now, &e->built);
-        status = moves ? follow(e, show, state) : solve(e, show, state);
+        status = moves ? follow(e, show, state) : RSV_ERROR_UNSUPPORTED;
+        if (status == RSV_ERROR_UNSUPPORTED) status = solve(e, show, state);
         e->quiet_frames = 0;
         *lag_ms = 1e3 * (cli_seconds() - start);
     } else {
