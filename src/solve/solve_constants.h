@@ -133,9 +133,10 @@
 // ---- Contribution of each source (light_basis.c) -----------------------------------------------------
 
 /// Sources that are each divided by as many photons as the whole; where there are more, they share as many as these.
-/// Measured: a room of 100 lamps, draft, 16 such sources: photons of a basis take about half of its time. modern_hall,
-/// 13 lights, draft, solved and divided in 50.7 s of CPU time; 79.6 s with 16 such sources and all shadow rays.
-#define RSV_FULL_PHOTON_SOURCES 4
+/// Measured: a room of 100 lamps, draft: photons of a basis take about half of its time. Fewer give faint lights what
+/// belongs to strong ones: modern_hall, 13 lights, with 4 such sources: lamps of a thousandth of the light get 10 to 50 %
+/// too much.
+#define RSV_FULL_PHOTON_SOURCES 16
 
 // ---- Lights that follow moving objects (source.c) ----------------------------------------------------
 
