@@ -6,7 +6,7 @@
 
 /// A cycle that leaves more than this of the residual has not helped; a few of those in a row are the end.
 #define POOR_REDUCTION 0.9
-#define POOR_CYCLES 3
+#define POOR_CYCLES 6
 /// Solvers estimate the residual on their way. A cycle after a poor one, which may have believed too early that it was
 /// there, aims this much lower. Powers of two, so that goals come back as they were.
 #define CAUTION 4
