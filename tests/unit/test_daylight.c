@@ -890,11 +890,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(grids_stand_on_floors),
         cmocka_unit_test(rooms_are_told_apart),
         cmocka_unit_test(openings_are_told_apart),
-        cmocka_unit_test(gray_rooms_read_as_tinted_ones),
-        cmocka_unit_test(doorways_part_rooms),
         cmocka_unit_test(failing_allocations_are_reported),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(gray_rooms_read_as_tinted_ones),
+        cmocka_unit_test(doorways_part_rooms),
         cmocka_unit_test(sun_passes_clear_panes),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(shades_go_down_in_the_sun),

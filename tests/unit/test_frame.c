@@ -84,7 +84,7 @@ static void the_sky_is_that_of_the_picture(void **state)
 {
     (void)state;
     const rsv_vec3 seen[] = { { 0, 0, 1 }, { 0.1f, 1, 0 }, { -1, -1, 0.2f }, { -1, 0, 0 } };
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < UNLESS_SANITIZED(4, 1); k++)
         check_frames(plate_before_sky(seen[k]), 1, 0);
 }
 

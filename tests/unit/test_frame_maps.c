@@ -163,13 +163,15 @@ static void layers_shade_alike(void **state)
     assert_true(difference_of(&f) < MOST_DIFFERENCE);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_map_shades_alike),
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(all_maps_shade_alike),
+    };
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(each_map_shades_alike),
         cmocka_unit_test(smooth_texels_are_mirrors),
         cmocka_unit_test(layers_shade_alike),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -127,7 +127,7 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent relight_again PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment gltf certify opfile history bake_side scene frame texture render bodies
+foreach(name IN ITEMS environment gltf certify opfile history bake_side scene frame frame_maps texture render bodies
         plan random_scenes relight shadows follow operator_matrix)
     rsv_add_part(${name} slow)
 endforeach()
