@@ -248,7 +248,7 @@ static inline void set_constants(const rsv_glossy_shading *s, const rsv_glossy_m
         to->alpha[k] = m->coat_alpha;
         to->even[k] = m->even;
     }
-    to->varies |= m->level_count > 1 || m->metal;
+    to->varies |= rsv_glossy_is_general(m);
 }
 
 /// Lanes at surfaces of a material, a bit each.

@@ -225,9 +225,6 @@ static void fill_levels(const rsv_bsdf *common, const rsv_material *m, int count
     }
 }
 
-/// Whether the tables do not depend on the base colour, and how metallic the surface is.
-static bool is_general(const rsv_glossy_material *m) { return m->level_count > 1 || m->metal; }
-
 // ---- all materials ------------------------------------------------------------------------------
 
 /// Constants, and the table of a material without variation.
@@ -247,7 +244,7 @@ static void fill_material(const rsv_transport_scene *scene, uint32_t material, r
     to->coat_alpha = b->clearcoat > 0 ? b->clearcoat_alpha : INFINITY;
     to->even = !b->layered && (to->metal || b->metallic == 0);
     to->bare = b->diffuse == 0;
-    for (int k = 0; k < RSV_TABLE_COS && !is_general(to); k++)
+    for (int k = 0; k < RSV_TABLE_COS && !rsv_glossy_is_general(to); k++)
         fill_row(b, k, row[k]);
 }
 
@@ -284,7 +281,7 @@ static void hand_out_tables(rsv_glossy_materials *g)
         rsv_glossy_metal_row *own = needs_metal(m, to) ? metal : NULL;
         to->row = row;
         to->metal = (const rsv_glossy_metal_row *)own;
-        if (is_general(to)) fill_levels(&g->scene->bsdf[k], m, to->level_count, row, own);
+        if (rsv_glossy_is_general(to)) fill_levels(&g->scene->bsdf[k], m, to->level_count, row, own);
         row += size;
         if (own) metal += size;
     }

@@ -54,10 +54,16 @@ RSV_INLINE bool rsv_glossy_has(const rsv_glossy_material *m, rsv_glossy_map map)
     return m->maps >> map & 1;
 }
 
+/// Whether the tables depend neither on the base colour nor on how metallic the surface is.
+RSV_INLINE bool rsv_glossy_is_general(const rsv_glossy_material *m)
+{
+    return m->level_count > 1 || m->metal;
+}
+
 /// Whether textures change more than the base colour of the diffuse lobe.
 RSV_INLINE bool rsv_glossy_varies(const rsv_glossy_material *m)
 {
-    return m->level_count > 1 || m->metal || rsv_glossy_has(m, RSV_GLOSSY_EMISSION);
+    return rsv_glossy_is_general(m) || rsv_glossy_has(m, RSV_GLOSSY_EMISSION);
 }
 
 typedef struct rsv_glossy_materials {
