@@ -4,7 +4,8 @@
 /// Starts from the scene's own glTF file, which scenes and operator files can keep (rsv_load_desc.keep_document). Only
 /// parts of its JSON change: nodes, animations, cameras, extras and unknown extensions stay as they are. Scenes without
 /// such a file (other formats, built-in, made in code) are written as new files. Changes made by relighting are
-/// included: strengths, colours and positions of lights, colours of materials. docs/bake-reference.md describes the files.
+/// included: strengths, colours and positions of lights, colours of materials. docs/bake-reference.md describes the
+/// files.
 #ifndef RESOLVENT_BAKE_H
 #define RESOLVENT_BAKE_H
 
