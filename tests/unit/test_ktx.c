@@ -1,4 +1,4 @@
-/// KTX2 images, written here byte by byte: every supported format and compression, and files that are refused.
+/// KTX2 images, written here byte by byte: every supported format and compression, and files that are rejected.
 #include "core/core.h"
 #include "io/image_ktx.h"
 
