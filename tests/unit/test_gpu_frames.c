@@ -192,7 +192,8 @@ static void add_textured(
 }
 
 /// Textures in most roles, a lattice, metal, marble, frosted glass, varnish and velvet, under a lamp, a sky and a point
-/// light. @param device NULL = the CPU
+/// light.
+/// @param device NULL = the CPU
 static world *textured_world(rsv_device *device)
 {
     static const rsv_texture_role paint[] = { RSV_TEXTURE_BASE_COLOR, RSV_TEXTURE_NORMAL },
