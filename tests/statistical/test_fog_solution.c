@@ -171,7 +171,7 @@ static void lamps_beside_a_line_light_it_once(void **state)
     const rsv_rgb sigma = { 0.05f, 0.4f, 2 };
     const float h = 0.5f, foot = 2;
     for (int spot = 0; spot < 2; spot++) {
-        // orders of uneven fog are not told apart: all but the first is to be faint
+        // in heterogeneous fog, orders after the first are not separated, so they must be faint
         const float g = spot ? 0 : 0.4f, albedo = spot ? 0.8f : 1e-3f;
         world *w = world_begin(2);
         // what ends the line
@@ -421,7 +421,8 @@ static void fog_loses_no_light_of_mirrors(void **state)
     }
 }
 
-/// A wall parts the light from the dark, however large voxels are. Surfaces are black: all of the light is in the air.
+/// A wall separates the lit part from the dark part, however large voxels are. Surfaces are black, so all light is in
+/// the air.
 static void no_light_leaks_through_walls(void **state)
 {
     (void)state;

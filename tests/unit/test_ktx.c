@@ -1,4 +1,4 @@
-/// KTX2 images: every supported format and compression, written here byte by byte, and files that are refused. Those of
+/// KTX2 images: every supported format and compression, written here byte by byte, and files that are rejected. Those of
 /// Basis Universal lie in `basis`, each beside the texels that the encoder's own decoder (1.15) finds in it: uastc.ktx2
 /// has two random blocks of each mode, etc1s.ktx2 a picture with alpha and smaller levels.
 #include "core/core.h"
@@ -248,7 +248,7 @@ static void blocks_are_decoded_as_the_encoder_does(void **state)
     assert_decoded(*state, "etc1s.ktx2", "etc1s-decoded.ktx2", almost);
 }
 
-/// Every file with one byte changed, or cut short, is decoded or refused.
+/// Every file with one byte changed, or cut short, is decoded or rejected.
 static void damaged_blocks_are_harmless(void **state)
 {
     static const char *const names[2] = { "uastc.ktx2", "etc1s.ktx2" };

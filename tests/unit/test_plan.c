@@ -318,8 +318,8 @@ static double share_left(const world *w, bool (*is_noisy)(uint32_t x))
     return error / even;
 }
 
-/// In halves, n and 10 n samples are best: the mean squared error is then 0.6 of what as many everywhere leave. What is
-/// foretold is what comes of it, also of lines one pixel wide, whose neighbours are not like them.
+/// In halves, n and 10 n samples are best: the mean squared error is then 0.6 of what as many everywhere leave. The
+/// predicted error must be the actual one, also for lines one pixel wide, whose neighbours are different.
 static void samples_go_where_noise_is(void **state)
 {
     (void)state;
