@@ -6,8 +6,9 @@ source "$(dirname "$0")/support.sh"
 page=$2
 PATH=$(dirname "$program"):$PATH
 sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$page" >commands.sh
-# pictures of a ninth of the size and coarser elements are as good a test for every day
-[[ -n ${3:-} ]] || sed -i 's/480x270/160x90/;s/--quality draft/& --max-elements 1500/' commands.sh
+# smaller pictures and maps, and coarser elements, are as good a test for every day
+[[ -n ${3:-} ]] || sed -i 's/480x270/160x90/;s/--quality draft/& --max-elements 1500/;s/--to lightmap/& --map-size 128/
+    s/render cornell-spheres/& --size 64x64/' commands.sh
 [[ -s commands.sh ]] || complain "the page holds no commands"
 bash -euo pipefail commands.sh >log 2>&1 || {
     complain "a command of the page failed"

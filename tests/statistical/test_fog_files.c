@@ -5,6 +5,7 @@
 #include "resolvent/relight.h"
 #include "unit/file_fixture.h"
 #include "unit/fog_fixture.h"
+#include "unit/slow_tests.h"
 
 /// A closed black room with a mirrored box, two point lights and lossless fog. All of their power, 0.4 pi W each, ends
 /// in the walls.
@@ -297,16 +298,18 @@ static void uneven_fog_is_not_relit(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(files_keep_fog),
         cmocka_unit_test(fog_is_relit),
         cmocka_unit_test(fluence_is_baked),
         cmocka_unit_test(vertices_know_what_fog_takes),
-        cmocka_unit_test(frames_show_fog),
         cmocka_unit_test(frames_of_a_furnace_are_even),
         cmocka_unit_test(uneven_fog_is_not_relit),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(frames_show_fog),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -416,9 +416,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(bad_grids_are_refused),
         cmocka_unit_test(exhaustion_leaves_the_air_clear),
         cmocka_unit_test(a_ramp_follows_beer),
-        cmocka_unit_test(fog_does_not_depend_on_threads),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(fog_does_not_depend_on_threads),
         cmocka_unit_test(fog_is_invisible_in_a_furnace),
     };
     const struct CMUnitTest longest[] = {

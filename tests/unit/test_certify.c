@@ -1031,16 +1031,13 @@ int main(int argc, char **argv)
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
         cmocka_unit_test(a_tilt_by_a_normal_map_is_no_error),
-        cmocka_unit_test(a_coat_does_not_raise_the_albedo),
         cmocka_unit_test(open_walls_of_albedo_1_have_a_bound),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
         cmocka_unit_test(budgets_end_refinement),
         cmocka_unit_test(unusable_targets_are_refused),
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
-        cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
-        cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
         cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
@@ -1048,6 +1045,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(points_within_bodies_count_at_no_quality),
+        cmocka_unit_test(a_coat_does_not_raise_the_albedo),
         cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
         cmocka_unit_test(refinement_reaches_its_target),
         cmocka_unit_test(few_points_meet_a_bright_spot),

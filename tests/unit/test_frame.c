@@ -493,9 +493,7 @@ static uint64_t hash_at_rest(int threads)
 static void frames_at_rest_do_not_depend_on_threads(void **state)
 {
     (void)state;
-    uint64_t one = hash_at_rest(1);
-    assert_true(hash_at_rest(2) == one);
-    assert_true(hash_at_rest(4) == one);
+    assert_true(hash_at_rest(1) == hash_at_rest(3));
 }
 
 /// A black floor under a coat shows hardly any light of a lamp that is not reflected to the eye. The first frame does not

@@ -483,8 +483,6 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test_setup_teardown(
-            flux_on_a_sphere_is_that_of_the_file, file_set_up, file_tear_down),
-        cmocka_unit_test_setup_teardown(
             openings_light_like_surfaces_and_points_by_the_law, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             light_is_reflected_by_mirrors, fixture_setup, fixture_teardown),
@@ -496,6 +494,8 @@ int main(int argc, char **argv)
             what_no_scene_can_hold_is_refused, fixture_setup, fixture_teardown),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test_setup_teardown(
+            flux_on_a_sphere_is_that_of_the_file, file_set_up, file_tear_down),
         cmocka_unit_test_setup_teardown(
             any_number_of_lights_is_relit, fixture_setup, fixture_teardown),
     };

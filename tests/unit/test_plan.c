@@ -49,7 +49,7 @@ static rsv_image *path_traced(const world *w, uint32_t size, uint32_t samples, u
 static void a_picture_errs_as_much_as_was_asked_for(void **state)
 {
     (void)state;
-    enum { size = 96 };
+    enum { size = 64 };
     static const double errors[] = { 0.2, 0.1, 0.05 };
     static const uint32_t layers[2] = { 0 };
     world *w = world_builtin(2, "cornell-blocks");

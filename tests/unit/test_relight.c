@@ -1030,7 +1030,6 @@ static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
-        cmocka_unit_test(moving_one_light_leaves_the_parts_of_others_alone),
         cmocka_unit_test(walls_that_absorb_nothing_are_refused_and_change_nothing),
         cmocka_unit_test(a_lamp_as_large_as_a_wall_cannot_be_moved),
         cmocka_unit_test(a_lamp_that_was_moved_into_a_ceiling_is_seen),
@@ -1043,7 +1042,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(only_the_last_change_counts),
-        cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(receivers_at_an_edge_get_no_more_than_there_is),
         cmocka_unit_test(sixteen_receivers_see_what_one_does),
         cmocka_unit_test(added_lights_are_those_of_a_fresh_solve),
@@ -1052,6 +1050,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_cannot_move_is_refused),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(moving_one_light_leaves_the_parts_of_others_alone),
         cmocka_unit_test(lights_of_one_operator_leave_each_other_alone),
         cmocka_unit_test(going_back_ends_where_it_began),
         cmocka_unit_test(copies_of_a_moved_light_move_on_alone),

@@ -530,7 +530,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
         cmocka_unit_test(probes_see_lights_by_way_of_rough_metal),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
-        cmocka_unit_test(a_room_of_mirrors_shows_its_lamp_everywhere),
         cmocka_unit_test(a_glass_sphere_in_a_furnace_keeps_the_energy),
         cmocka_unit_test(a_thin_sheet_of_glass_in_a_furnace_is_invisible),
         cmocka_unit_test(branches_of_a_camera_ray_carry_all_its_weight),
@@ -539,6 +538,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(a_room_of_mirrors_shows_its_lamp_everywhere),
         cmocka_unit_test(small_highlights_are_averaged_over_footprints),
         cmocka_unit_test(layers_sum_to_the_picture),
         cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),

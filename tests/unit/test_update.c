@@ -489,14 +489,16 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_does_what_folders_do),
         cmocka_unit_test(the_report_says_what_was_kept),
         cmocka_unit_test(edits_back_and_forth_end_where_they_began),
-        cmocka_unit_test(coated_surfaces_keep_most_of_their_rays),
         cmocka_unit_test(what_does_not_fit_is_solved_as_a_whole),
         cmocka_unit_test(wrong_settings_are_one_error_and_leave_the_store_alone),
         cmocka_unit_test(memory_that_runs_out_costs_no_more_than_the_update),
         cmocka_unit_test(processes_of_a_team_have_stores_of_their_own),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(coated_surfaces_keep_most_of_their_rays),
+    };
+    const struct CMUnitTest longest[] = {
         cmocka_unit_test(moves_are_as_good_as_solving_anew),
     };
-    return RUN_HALF(argc, argv, quick, slow);
+    return RUN_THIRD(argc, argv, quick, slow, longest);
 }

@@ -129,7 +129,7 @@ endforeach()
 set_tests_properties(bake brute_force bsdf_lobes contacts environment faults film fog_reference fog_solution frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes properties rough_box
     rough_sky sides subsurface translucent relight_again PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment gltf certify opfile history bake_side scene frame frame_maps texture render bodies
-        plan random_scenes relight shadows follow operator_matrix)
+        plan random_scenes relight shadows follow operator_matrix fog_files update)
     rsv_add_part(${name} slow)
 endforeach()
 foreach(name IN ITEMS bake_light brute_force bsdf_lobes certify doubled faults fog_reference fog_solution frame_input light_tree probe_errors random_certificates random_scenes relight_again rough_box solve update)

@@ -23,9 +23,9 @@ echo '{"name": "user", "type": "module", "private": true}' >"$work/user/package.
 (cd "$work/user" && npm install --silent --offline --no-audit --no-fund --legacy-peer-deps "$tarball")
 ! grep -nE '\beval\(|new Function' "$work"/user/node_modules/resolvent-rt/*.js || { echo "FAILED: eval" && exit 1; }
 
-"$program" bake cornell-blocks -o "$work/user/box.glb" --to vertex --basis --quality draft
-"$program" bake cornell-blocks -o "$work/user/plain.glb" --to lightmap --basis --map-size 256 --quality draft
-"$program" bake cornell-blocks -o "$work/user/map.glb" --to lightmap --basis --packed --map-size 256 --quality draft
+"$program" bake cornell-blocks -o "$work/user/box.glb" --to vertex --basis --quality draft --max-elements 500
+"$program" bake cornell-blocks -o "$work/user/plain.glb" --to lightmap --basis --map-size 256 --quality draft --max-elements 500
+"$program" bake cornell-blocks -o "$work/user/map.glb" --to lightmap --basis --packed --map-size 256 --quality draft --max-elements 500
 cp "$source/tests/web/npm_node.mjs" "$source/tests/web/npm_page.html" "$work/user"
 (cd "$work/user" && node npm_node.mjs plain.light.safetensors map.light.safetensors)
 
