@@ -263,6 +263,7 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     rsv_bsdf_branches branches = rsv_specular_branches(scene_of(r), path);
     if (!rgb_is_black(branches.diffuse)) add_diffuse(&base, path, branches.diffuse);
     rsv_rgb light = rgb_sub(follow(r, path, trail, own, 1), base.radiance);
+    r->rays++;
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 
