@@ -412,10 +412,7 @@ static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const
     if (r->camera >= rsv_scene_get_view(scene)->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "plan: camera %u does not exist, the scene has %zu",
             r->camera, rsv_scene_get_view(scene)->camera_count);
-    if (!rsv_scene_get_view(scene)->fog) return RSV_OK;
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "plan: the error of light in fog cannot be estimated; leave out --error and --max-time, and "
-        "choose --quality and --spp, or --noise");
+    return rsv_scene_refuse_endless_fog(scene, "a planned picture");
 }
 
 static rsv_status begin(const rsv_scene *scene, const rsv_plan_desc *desc,

@@ -163,7 +163,7 @@ static float size_of(const rsv_elements *e, uint32_t cell)
     return rsv_cell_shape_of(e, cell).size;
 }
 
-/// Largest cells that a box cuts, and that a thin wall keeps the corners of apart.
+/// Size of the largest cells that a box cuts, and of those whose corners are on different sides of a thin wall.
 static void sizes_at_contacts(const rsv_growth *growth, float *cut, float *through)
 {
     world *w = world_begin(2);
@@ -194,8 +194,8 @@ static float constant_growth(const void *growth, const rsv_elements *e, uint32_t
     return *(const float *)growth;
 }
 
-/// What cells of a goal that something stands upon are split to: by the square of how much larger they may be, but not
-/// where light of the far side of a wall would come through.
+/// If a goal allows larger cells, cells under an object grow by the square of that factor, but not where light from the
+/// far side of a wall would leak through.
 static void contacts_matter_as_much_as_the_goal_says(void **state)
 {
     (void)state;
@@ -342,7 +342,7 @@ static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
-/// Which points count was found for the very points that rows start from.
+/// Visibility was tested for exactly those points from which the rays of rows start.
 static void rows_start_from_the_points_that_were_judged(void **state)
 {
     (void)state;

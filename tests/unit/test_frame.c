@@ -568,8 +568,8 @@ static void reused_light_goes_with_its_source(void **state)
     world_end(w);
 }
 
-/// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
-/// The mean of all channels of a moving frame's light, refreshed before each frame or not.
+/// `bench fps` may trace rays of its own between two frames; the next frame must still reuse the previous one. The mean
+/// of all channels of a moving frame's light, refreshed before each frame or not.
 static uint64_t hash_of_refreshed(
     rsv_light *solution, const world *w, rsv_instructions instructions, bool refreshed)
 {
