@@ -46,8 +46,10 @@ typedef struct rsv_update_report {
     uint64_t kept_row_rays; ///< of these, rays that were reused
     size_t lit_elements;    ///< elements, coarse and fine, for which direct light is sampled
     size_t kept_lit_elements; ///< of these, elements whose direct light was reused
-    double seconds;           ///< time of the update
-    double spared_seconds;    ///< approximate time saved by reused rows
+    size_t
+        waiting_triangles; ///< triangles whose light waits for a later call (rsv_light_follow_part)
+    double seconds;        ///< time of the update
+    double spared_seconds; ///< approximate time saved by reused rows
 } rsv_update_report;
 
 /// Builds and solves the operator of an edited scene, as rsv_light_create does, reusing what is still valid in the
@@ -80,6 +82,17 @@ RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_d
 /// @param report out; may be NULL
 RSV_API rsv_status rsv_light_follow(
     rsv_light *light, const rsv_scene *scene, rsv_update_report *report);
+
+/// As rsv_light_follow, with a limit to the work for surfaces that move, so that a large or deforming object, such as a
+/// skinned figure, can be followed at interactive rates. Its geometry is up to date in every frame: it hides, reflects
+/// and casts shadows where it is. The light that it receives itself is computed for at most `most_triangles` of its
+/// triangles in a call; the others keep their light, which moves with them, until their turn. While triangles wait,
+/// elements are not divided where surfaces touch. At rest, call it until report.waiting_triangles is 0, and once more,
+/// as for rsv_light_follow: the light is then the same as without a limit.
+///
+/// @param most_triangles 0 = no limit
+RSV_API rsv_status rsv_light_follow_part(
+    rsv_light *light, const rsv_scene *scene, size_t most_triangles, rsv_update_report *report);
 
 #ifdef __cplusplus
 }

@@ -12,7 +12,7 @@ typedef struct level_follower {
     const rsv_level_motion *motion;
     uint8_t *changed;        ///< [cell_count] 1 = light may be another there
     uint8_t *coarse_changed; ///< [coarse cell_count]
-    uint8_t *anew;           ///< [node_count] 1 = the node receives light elsewhere
+    uint8_t *anew;           ///< [node_count] RSV_MOVE_... of the node; 1 = it is not sampled again
 } level_follower;
 
 /// Takes ownership of elements, which must have no other owner, and their fields.
@@ -55,14 +55,19 @@ static bool may_be_changed(const level_follower *f, const rsv_cell *cell)
     return f->coarse_changed[around] || coarse->cell[around].level > cell->level;
 }
 
+static bool is_changed(const level_follower *f, uint32_t c, uint8_t moved)
+{
+    const rsv_elements *e = f->b.elements;
+    if (moved != RSV_MOVE_NONE) return moved == RSV_MOVE_TURN;
+    return may_be_changed(f, &e->cell[c]) && rsv_light_shafts_meet(f->motion->shafts, e, c);
+}
+
 static void judge_cells(void *data, rsv_span span)
 {
     const level_follower *f = data;
     const rsv_elements *e = f->b.elements;
     for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
-        f->changed[c] =
-            f->motion->moved[e->face_triangle[e->cell[c].face]] ||
-            (may_be_changed(f, &e->cell[c]) && rsv_light_shafts_meet(f->motion->shafts, e, c));
+        f->changed[c] = is_changed(f, c, f->motion->moved[e->face_triangle[e->cell[c].face]]);
 }
 
 /// Cells where light may be another: looked for in coarse cells where it may be.
@@ -101,7 +106,8 @@ static rsv_status sample_again(level_follower *f)
     RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
     b->kept_count = 0;
     for (uint32_t n = 0; n < e->node_count; n++) {
-        known[n] = !f->anew[n] && !rsv_node_light_is_changed(e, n, f->changed);
+        known[n] = f->anew[n] == RSV_MOVE_WAITS ||
+                   (!f->anew[n] && !rsv_node_light_is_changed(e, n, f->changed));
         b->kept_count += known[n] && e->node_hanging[n] == RSV_NONE && b->valid_points[n];
     }
     RSV_TRY(rsv_level_estimate(b, b->desc->light_samples, known));
@@ -203,7 +209,7 @@ static rsv_status follow_direct(level_follower *f)
     rsv_status status;
     RSV_TRY(find_changed(f));
     RSV_TRY(sample_again(f));
-    RSV_TRY(split_cells(f));
+    if (!f->motion->whole) RSV_TRY(split_cells(f));
 cleanup:
     return status;
 }

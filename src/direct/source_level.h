@@ -44,9 +44,10 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     uint64_t *rays);
 /// Motion on and around a level.
 typedef struct rsv_level_motion {
-    const uint8_t *moved;           ///< [triangle_count] 1 = it moved
+    const uint8_t *moved;           ///< [triangle_count] RSV_MOVE_... (moved_elements.h)
     const rsv_light_shafts *shafts; ///< from sources through boxes around moved objects
     const rsv_lights *lights;       ///< as they are now
+    bool whole; ///< cells are not split where new shadows end: that is left to a later call
 } rsv_level_motion;
 
 /// Takes a level to where its surfaces are now: in place, and with splits where new shadows end, none being undone.

@@ -2,6 +2,7 @@
 
 #include "../core/parallel.h"
 #include "../core/team.h"
+#include "../update/moved_elements.h"
 #include "operator_constants.h"
 #include "row_touch.h"
 #include "row_tracer_internal.h"
@@ -195,6 +196,14 @@ static void empty_row(const patch *p)
     t->tail[p->slot] = NULL;
 }
 
+/// Whether a row stays as it is although its receiver points have moved: its turn comes later.
+static bool can_wait(const patch *p, const rsv_rows_motion *motion)
+{
+    const tracked_rows *t = p->t;
+    return motion && motion->anew[p->node] == RSV_MOVE_WAITS && t->transport.scale[p->node] > 0 &&
+           !t->lost[p->slot];
+}
+
 /// @param motion NULL = all rows are new
 static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
 {
@@ -205,6 +214,10 @@ static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
         return RSV_OK;
     }
     bool whole = !motion || motion->anew[p->node] || t->transport.scale[p->node] == 0;
+    if (whole && can_wait(p, motion)) {
+        p->scratch->kept_rows++;
+        return RSV_OK;
+    }
     if (whole) {
         rsv_row_receive(&t->tracer, p->node, &r);
         t->place[p->slot] = rsv_row_place_of(&r.points);

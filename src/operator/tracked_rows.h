@@ -17,9 +17,10 @@ rsv_status rsv_tracked_rows_create(const rsv_transport_desc *desc, rsv_transport
 
 /// Motion since the rows were traced or patched.
 typedef struct rsv_rows_motion {
-    const rsv_lights *lights;       ///< as they are now
-    const rsv_scene_change *change; ///< boxes around the old and new places of everything that moved
-    const uint8_t *anew;            ///< [row_count] 1 = all rays of the row leave from elsewhere
+    const rsv_lights *lights; ///< as they are now
+    const rsv_scene_change
+        *change;         ///< boxes around the old and new places of everything that moved
+    const uint8_t *anew; ///< [row_count] RSV_MOVE_... of the places that a row's rays leave from
 } rsv_rows_motion;
 
 /// Cost of patching, in rays.

@@ -14,6 +14,8 @@ void rsv_following_destroy(rsv_context *context, rsv_following *f)
     rsv_elements_destroy(f->elements);
     rsv_elements_destroy(f->first);
     rsv_free(context, f->direct);
+    rsv_free(context, f->waits);
+    rsv_free(context, f->caustics_moved);
     rsv_free(context, f);
 }
 
@@ -136,7 +138,9 @@ static rsv_status mark_anew(rsv_light_motion *m, const rsv_divided_elements *d)
     uint8_t *anew = rsv_alloc(e->context, e->node_count, 1);
     if (!anew) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < e->node_count; n++)
-        anew[n] = d->node_before[n] == RSV_NONE || (m->anew && m->anew[d->node_before[n]]);
+        anew[n] = d->node_before[n] == RSV_NONE ? RSV_MOVE_TURN
+                  : m->anew                     ? m->anew[d->node_before[n]]
+                                                : RSV_MOVE_NONE;
     rsv_free(e->context, m->anew);
     m->anew = anew;
     return RSV_OK;
@@ -154,7 +158,7 @@ rsv_status rsv_light_divide(rsv_light_motion *m, bool from_first, rsv_divided_el
         .elements = f->elements,
         .valid_points = f->valid_points,
         .change = &f->unsettled,
-        .moved = m->difference.moved,
+        .moved = m->moved,
         .contact_size = f->contact_size,
         .most_nodes = most_nodes(s),
         .draw = { RSV_SUPPORT_POINTS, s->desc.seed } };

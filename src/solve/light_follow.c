@@ -13,6 +13,7 @@
 #include "../core/team.h"
 #include "../elements/open_corners.h"
 #include "../scene/variant.h"
+#include "../update/motion_boxes.h"
 #include "../update/moved_elements.h"
 #include "../update/update.h"
 #include "light_motion.h"
@@ -24,24 +25,6 @@
 typedef rsv_light_motion motion;
 
 // ---- motion --------------------------------------------------------------------------------------
-
-/// Adds boxes around everything that moved, at its place in the light's own scene.
-static void add_boxes(motion *m)
-{
-    const rsv_scene_view *view = m->s->world->scene.view;
-    uint32_t object = RSV_NONE; // of the moved triangle just before
-    for (uint32_t t = 0; t < view->triangle_count; t++) {
-        uint32_t own = m->difference.moved[t] ? view->triangle_object[t] : RSV_NONE;
-        if (own != RSV_NONE) {
-            const uint32_t *corner = view->triangle[t];
-            rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
-                     c = view->position[corner[2]];
-            rsv_scene_change_add(
-                &m->change, v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), own == object);
-        }
-        object = own;
-    }
-}
 
 static bool moves_emitter(const motion *m)
 {
@@ -63,12 +46,16 @@ static rsv_status move_world(motion *m, const rsv_scene *version)
 {
     rsv_light *s = m->s;
     rsv_status status;
-    add_boxes(m);
-    RSV_TRY(rsv_world_vary_triangles(s->world, m->difference.moved));
+    const uint8_t *moved = m->difference.moved;
+    rsv_motion_boxes boxes;
+    RSV_TRY(rsv_motion_boxes_begin(
+        s->context, s->world->scene.view, moved, m->difference.moved_count, &boxes));
+    RSV_TRY(rsv_world_vary_triangles(s->world, moved));
     rsv_scene_take_places(s->world->variant, version);
     RSV_TRY(rsv_world_follow_places(s->world));
     s->scene = s->world->scene;
-    add_boxes(m);
+    rsv_motion_boxes_end(&boxes, s->world->scene.view, moved);
+    rsv_motion_boxes_enclose(&boxes, &m->change);
     rsv_scene_change_add_margins(&m->change);
     m->shafts = (rsv_light_shafts){ .change = &m->change,
         .all_light_changed =
@@ -79,6 +66,7 @@ static rsv_status move_world(motion *m, const rsv_scene *version)
     }
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
 cleanup:
+    rsv_motion_boxes_free(&boxes);
     return status;
 }
 
@@ -190,7 +178,7 @@ static rsv_status move_operator(motion *m)
     rsv_light *s = m->s;
     rsv_following *f = s->following;
     uint8_t contacts = 0;
-    const rsv_elements_motion elements = { m->difference.moved, &m->change,
+    const rsv_elements_motion elements = { m->moved, &m->change,
         { RSV_SUPPORT_POINTS, s->desc.seed }, &contacts };
     rsv_status status;
     bool whole = m->begins || !rsv_tracked_rows_can_follow(f->rows, &m->change);
@@ -200,7 +188,7 @@ static rsv_status move_operator(motion *m)
     add_to(&f->unsettled, &m->change);
     RSV_TRY(
         rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
-    if (m->begins ? contacts != 0 : contacts & RSV_CELL_CUT_THROUGH)
+    if (m->begins ? contacts != 0 : (contacts & RSV_CELL_CUT_THROUGH) && f->waiting == 0)
         RSV_TRY(divide_operator(m, false));
     else if (contacts) // what stands upon cells without parting them can wait until it rests
         f->split = true;
@@ -226,8 +214,9 @@ static void mark_known(void *data, rsv_span span)
     const motion *m = job->motion;
     const rsv_elements *e = m->s->elements;
     for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
-        job->known[n] = !m->anew[n] && !rsv_node_light_is_changed(e, n, job->changed) &&
-                        !rsv_node_is_beside(e, n, &m->change);
+        job->known[n] = m->anew[n] == RSV_MOVE_WAITS ||
+                        (!m->anew[n] && !rsv_node_light_is_changed(e, n, job->changed) &&
+                            !rsv_node_is_beside(e, n, &m->change));
 }
 
 /// Nodes whose direct light has not changed. @param known [node_count] zeros in
@@ -265,13 +254,16 @@ cleanup:
 
 /// Builds the level of direct light again if anything has moved since the last time; its splits are then those of a
 /// solve.
-static rsv_status divide_again(motion *m, const rsv_level_limits *limits)
+static rsv_status divide_again(
+    motion *m, const rsv_level_limits *limits, const rsv_level_motion *caustics)
 {
     rsv_light *s = m->s;
     rsv_light_shafts shafts = m->shafts;
     shafts.change = &s->following->undivided;
-    const rsv_level_motion moved = { m->difference.moved, &shafts, s->sources->lights };
-    rsv_status status = rsv_source_divide_again(s, limits, &moved);
+    const rsv_level_motion moved = {
+        .moved = m->moved, .shafts = &shafts, .lights = s->sources->lights
+    };
+    rsv_status status = rsv_source_divide_again(s, limits, &moved, caustics);
     s->following->undivided.count = 0;
     return status;
 }
@@ -283,15 +275,20 @@ static rsv_status find_levels(motion *m)
     rsv_status status;
     uint8_t *hidden = NULL;
     rsv_scene_change *undivided = &s->following->undivided;
-    const rsv_level_motion moved = { m->difference.moved, &m->shafts, s->sources->lights };
+    const rsv_level_motion moved = { m->moved, &m->shafts, s->sources->lights, m->whole };
+    rsv_level_motion caustics;
+    rsv_light_shafts shafts;
+    bool turn = rsv_light_begin_caustics(m, &shafts, &caustics);
     add_to(undivided, &m->change);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
     if (!m->begins && (m->divides || rsv_source_has_grown(s)))
-        RSV_TRY(divide_again(m, &limits));
+        RSV_TRY(divide_again(m, &limits, turn ? &caustics : NULL));
     else
-        RSV_TRY(rsv_source_follow_levels(s, &limits, m->begins ? NULL : &moved));
+        RSV_TRY(rsv_source_follow_levels(
+            s, &limits, m->begins ? NULL : &moved, turn ? &caustics : NULL));
     if (m->begins) undivided->count = 0;
+    rsv_light_end_caustics(m);
 cleanup:
     rsv_free(s->context, hidden);
     return status;
@@ -332,6 +329,7 @@ static void fill_report(const motion *m, double seconds, rsv_update_report *repo
         .kept_row_rays = m->rows.rays > m->rows.traced ? m->rows.rays - m->rows.traced : 0,
         .lit_elements = m->lit,
         .kept_lit_elements = m->kept_lit + s->field.fine.kept,
+        .waiting_triangles = s->following->waiting,
         .seconds = seconds };
     const rsv_elements *fine = s->field.fine.elements;
     for (size_t n = 0; fine && s->field.fine.valid_points && n < fine->node_count; n++)
@@ -352,7 +350,7 @@ static rsv_status check(const rsv_light *s)
     return RSV_OK;
 }
 
-static rsv_status follow(motion *m, const rsv_scene *version)
+static rsv_status follow(motion *m, const rsv_scene *version, size_t most)
 {
     rsv_light *s = m->s;
     rsv_status status;
@@ -360,6 +358,7 @@ static rsv_status follow(motion *m, const rsv_scene *version)
     rsv_light_set_basis(s, NULL);
     RSV_TRY(move_world(m, version));
     if (m->begins) RSV_TRY(rsv_following_create(m->s, &m->s->following));
+    RSV_TRY(rsv_light_take_turns(m, most));
     RSV_TRY(move_operator(m));
     RSV_TRY(move_light(m));
 cleanup:
@@ -379,6 +378,14 @@ cleanup:
     return status;
 }
 
+/// Those of a call that brings to rest.
+static void forget_turns(motion *m)
+{
+    rsv_free(m->s->context, m->moved);
+    rsv_free(m->s->context, m->anew);
+    m->moved = m->anew = NULL;
+}
+
 /// Divides all elements as a solve would, once all is at rest.
 static rsv_status settle(motion *m)
 {
@@ -388,17 +395,31 @@ static rsv_status settle(motion *m)
     m->shafts =
         (rsv_light_shafts){ .change = &m->change, .all_light_changed = s->scene.media.bodies };
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
+    forget_turns(m);
+    RSV_TRY(rsv_light_take_turns(m, 0)); // nobody waits
     if (s->following->split) RSV_TRY(settle_operator(m));
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
-    RSV_TRY(divide_again(m, &limits));
+    const rsv_level_motion caustics = {
+        .moved = m->moved, .shafts = &m->shafts, .lights = s->sources->lights
+    };
+    RSV_TRY(divide_again(m, &limits, &caustics));
     if (m->divides) RSV_TRY(solve_again(m));
 cleanup:
     rsv_free(s->context, hidden);
     return status;
 }
 
+/// Whether anything has to be divided again now that all is at rest.
+static bool is_unsettled(const rsv_following *f) { return f->undivided.count > 0 || f->split; }
+
 rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_report *report)
+{
+    return rsv_light_follow_part(s, version, 0, report);
+}
+
+rsv_status rsv_light_follow_part(
+    rsv_light *s, const rsv_scene *version, size_t most, rsv_update_report *report)
 {
     motion m = { .s = s, .begins = !s->following };
     double start = rsv_seconds();
@@ -409,14 +430,14 @@ rsv_status rsv_light_follow(rsv_light *s, const rsv_scene *version, rsv_update_r
     RSV_TRY(check(s));
     RSV_TRY(rsv_scene_find_moved(s->world->scene.scene, version, &m.difference));
     bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
-    if (!rests)
-        RSV_TRY(follow(&m, version));
-    else if (s->following->undivided.count > 0 || s->following->split)
-        RSV_TRY(settle(&m));
+    bool waits = rests && s->following->waiting > 0;
+    if (!rests || waits) RSV_TRY(follow(&m, version, most));
+    if (rests && (most == 0 || !waits) && is_unsettled(s->following)) RSV_TRY(settle(&m));
     rsv_light_publish(s);
     if (report) fill_report(&m, rsv_seconds() - start, report);
 cleanup:
     rsv_free(s->context, m.difference.moved);
+    rsv_free(s->context, m.moved);
     rsv_free(s->context, m.anew);
     rsv_free(s->context, m.albedo);
     return status;

@@ -2,6 +2,7 @@
 #ifndef RSV_LIGHT_MOTION_H
 #define RSV_LIGHT_MOTION_H
 
+#include "../direct/source_level.h"
 #include "../operator/tracked_rows.h"
 #include "../scene/moved.h"
 #include "../update/divided_elements.h"
@@ -18,6 +19,14 @@ typedef struct rsv_following {
     rsv_scene_change undivided; ///< boxes of motions since the level of direct light was divided
     rsv_scene_change unsettled; ///< of those since `elements` were divided from `first`
     bool split;                 ///< `elements` are split otherwise than they would be from `first`
+    uint8_t
+        *waits; ///< [triangle_count] 1 = it moved, and keeps its light until its turn; NULL = none
+    size_t waiting;          ///< how many do
+    size_t next_turn;        ///< the triangle that had the last one
+    size_t turns;            ///< since caustics were computed
+    uint32_t calls;          ///< in which somebody had to wait
+    uint8_t *caustics_moved; ///< [triangle_count] RSV_MOVE_TURN = it moved since then; NULL = none
+    rsv_scene_change caustics_behind; ///< boxes of motions since then
 } rsv_following;
 
 /// One motion.
@@ -26,13 +35,26 @@ typedef struct rsv_light_motion {
     rsv_scene_difference difference;
     rsv_scene_change change;
     rsv_light_shafts shafts;
-    uint8_t *anew;   ///< [node_count] 1 = the row is another one
+    uint8_t *moved;  ///< [triangle_count] RSV_MOVE_... of their light, also from earlier motions
+    uint8_t *anew;   ///< [node_count] RSV_MOVE_... of the row
     bool begins;     ///< it is the first one
+    bool caustics;   ///< they are computed again now
+    bool whole;      ///< cells of direct light are not split now
     bool divides;    ///< coarse elements are others than before
     rsv_rgb *albedo; ///< [node_count] of these; taken over by the operator
     rsv_rows_patched rows;
     size_t lit, kept_lit;
 } rsv_light_motion;
+
+/// Decides whose light is computed again. @param most triangles at most; 0 = all
+rsv_status rsv_light_take_turns(rsv_light_motion *m, size_t most);
+
+/// What moved since caustics were computed. @param shafts out, for `motion` @return whether it is their turn
+bool rsv_light_begin_caustics(
+    rsv_light_motion *m, rsv_light_shafts *shafts, rsv_level_motion *motion);
+
+/// Forgets that, if it was their turn.
+void rsv_light_end_caustics(rsv_light_motion *m);
 
 /// Elements of the light's own, of its own scene.
 rsv_status rsv_following_create(rsv_light *light, rsv_following **following);

@@ -84,25 +84,31 @@ bool rsv_source_has_grown(const rsv_light *s)
            (float)fine->elements->cell_count > MOST_GROWTH * (float)fine->built_cells;
 }
 
-rsv_status rsv_source_divide_again(
+static rsv_status follow_caustics(
     rsv_light *s, const rsv_level_limits *limits, const rsv_level_motion *motion)
 {
-    rsv_source_level_desc direct = level_desc(s, limits), caustics = direct;
+    rsv_source_level_desc desc = level_desc(s, limits);
+    desc.photon_count = s->desc.photon_count;
+    return motion ? follow_level(s, &desc, motion, &s->field.caustics) : RSV_OK;
+}
+
+rsv_status rsv_source_divide_again(rsv_light *s, const rsv_level_limits *limits,
+    const rsv_level_motion *motion, const rsv_level_motion *caustics)
+{
+    rsv_source_level_desc direct = level_desc(s, limits);
     rsv_status status = RSV_OK;
     direct.direct = true;
-    caustics.photon_count = s->desc.photon_count;
     if (has_level(&s->field.fine)) RSV_TRY(build_again(s, &direct, motion, &s->field.fine));
-    if (has_level(&s->field.caustics))
-        RSV_TRY(follow_level(s, &caustics, motion, &s->field.caustics));
+    if (has_level(&s->field.caustics)) RSV_TRY(follow_caustics(s, limits, caustics));
 cleanup:
     return status;
 }
 
-rsv_status rsv_source_follow_levels(
-    rsv_light *s, const rsv_level_limits *limits, const rsv_level_motion *motion)
+rsv_status rsv_source_follow_levels(rsv_light *s, const rsv_level_limits *limits,
+    const rsv_level_motion *motion, const rsv_level_motion *caustics)
 {
     rsv_status status;
-    rsv_source_level_desc direct = level_desc(s, limits), caustics = direct;
+    rsv_source_level_desc direct = level_desc(s, limits);
     rsv_light_fields *f = &s->field;
     bool known = motion && (!f->fine.elements || has_level(&f->fine)) &&
                  (!f->caustics.elements || has_level(&f->caustics));
@@ -112,9 +118,8 @@ rsv_status rsv_source_follow_levels(
         return rsv_source_create_levels(s, limits);
     }
     direct.direct = true;
-    caustics.photon_count = s->desc.photon_count;
     RSV_TRY(follow_level(s, &direct, motion, &f->fine));
-    RSV_TRY(follow_level(s, &caustics, motion, &f->caustics));
+    RSV_TRY(follow_caustics(s, limits, caustics));
 cleanup:
     return status;
 }

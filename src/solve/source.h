@@ -21,14 +21,16 @@ rsv_status rsv_source_create_levels(rsv_light *light, const rsv_level_limits *li
 
 /// Updates both levels to the present positions of surfaces, in place.
 /// @param motion NULL = build everything again
-rsv_status rsv_source_follow_levels(
-    rsv_light *light, const rsv_level_limits *limits, const rsv_level_motion *motion);
+/// @param caustics motion since caustics were updated; NULL = leave them as they are
+rsv_status rsv_source_follow_levels(rsv_light *light, const rsv_level_limits *limits,
+    const rsv_level_motion *motion, const rsv_level_motion *caustics);
 
 /// Whether the level of direct light has many splits of earlier motions, and should be divided again.
 bool rsv_source_has_grown(const rsv_light *light);
 /// Builds the level of direct light again, reusing what is still valid where nothing moved; updates caustics too.
-rsv_status rsv_source_divide_again(
-    rsv_light *light, const rsv_level_limits *limits, const rsv_level_motion *motion);
+/// @param motion,caustics as for rsv_source_follow_levels; `motion` not NULL
+rsv_status rsv_source_divide_again(rsv_light *light, const rsv_level_limits *limits,
+    const rsv_level_motion *motion, const rsv_level_motion *caustics);
 
 /// A level of the light with more splits where its present sources require them; its fields are only for splitting.
 rsv_status rsv_source_refine_level(

@@ -2,6 +2,7 @@
 
 #include "../core/parallel.h"
 #include "element_keys.h"
+#include "moved_elements.h"
 
 #include <string.h>
 
@@ -22,12 +23,14 @@ static rsv_status widen(rsv_kept_light *r)
     return RSV_OK;
 }
 
-/// Light on moved objects has always changed.
+/// Light on moved objects has always changed, or is left as it is for now.
 static void mark_moved(const rsv_kept_light *r)
 {
     const rsv_elements *e = r->coarse;
-    for (size_t c = 0; c < e->cell_count; c++)
-        r->light_changed[c] |= r->before->moved[e->face_triangle[e->cell[c].face]];
+    for (size_t c = 0; c < e->cell_count; c++) {
+        uint8_t moved = r->before->moved[e->face_triangle[e->cell[c].face]];
+        if (moved != RSV_MOVE_NONE) r->light_changed[c] = moved == RSV_MOVE_TURN;
+    }
 }
 
 rsv_status rsv_kept_light_create(const rsv_history *history, const rsv_level_before *before,

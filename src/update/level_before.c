@@ -2,6 +2,7 @@
 
 #include "../core/parallel.h"
 #include "../elements/open_corners.h"
+#include "moved_elements.h"
 
 static bool openness(const void *user, const rsv_elements *e, uint32_t cell, uint8_t *known)
 {
@@ -66,10 +67,11 @@ bool rsv_level_before_was_split(const rsv_level_before *b, const rsv_elements *e
 
 uint32_t rsv_level_before_find(const rsv_level_before *b, const rsv_elements *e, uint32_t node)
 {
-    if (e->support_begin[node] == e->support_begin[node + 1] ||
-        b->moved[e->face_triangle[e->node_face[node]]])
-        return RSV_NONE;
+    if (e->support_begin[node] == e->support_begin[node + 1]) return RSV_NONE;
+    uint8_t moved = b->moved[e->face_triangle[e->node_face[node]]];
+    if (moved == RSV_MOVE_TURN) return RSV_NONE;
     uint32_t twin = rsv_elements_find_twin(e, node, b->elements);
     if (twin == RSV_NONE || b->elements->node_hanging[twin] != RSV_NONE) return RSV_NONE;
+    if (moved == RSV_MOVE_WAITS) return twin;
     return rsv_node_is_beside(e, node, b->shafts->change) ? RSV_NONE : twin;
 }

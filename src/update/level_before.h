@@ -13,7 +13,7 @@ typedef struct rsv_level_before {
     const float *deviation;       ///< [node_count] of its luminance
     const uint16_t *valid_points; ///< [node_count]
     const rsv_light_shafts *shafts;
-    const uint8_t *moved; ///< [triangle_count] 1 = it moved
+    const uint8_t *moved; ///< [triangle_count] RSV_MOVE_... (moved_elements.h)
 } rsv_level_before;
 
 /// Answers for elements. @param before must not move

@@ -21,9 +21,11 @@ static void find_near(void *data, rsv_span span)
     const follow_job *job = data;
     const rsv_elements *e = job->elements;
     const rsv_elements_motion *m = job->motion;
-    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++)
-        job->near[c] =
-            m->moved[e->face_triangle[e->cell[c].face]] || rsv_cell_is_beside(e, c, m->change);
+    for (uint32_t c = (uint32_t)span.begin; c < span.end; c++) {
+        uint8_t moved = m->moved[e->face_triangle[e->cell[c].face]];
+        job->near[c] = moved == RSV_MOVE_TURN ||
+                       (moved == RSV_MOVE_NONE && rsv_cell_is_beside(e, c, m->change));
+    }
 }
 
 /// Changes at contacts, as in rsv_elements_motion.
@@ -75,6 +77,12 @@ static node_change change_of(
     return change;
 }
 
+bool rsv_node_waits(const rsv_elements *e, uint32_t node, const uint8_t *moved)
+{
+    uint32_t face = e->node_face[node];
+    return face != RSV_NONE && moved[e->face_triangle[face]] == RSV_MOVE_WAITS;
+}
+
 /// In scenes with glass bodies, points inside one may be in another medium now, so all points near a motion are checked
 /// again.
 static void judge_points(void *data, rsv_span span)
@@ -86,9 +94,10 @@ static void judge_points(void *data, rsv_span span)
     uint16_t *valid_points = job->valid_points;
     uint8_t *anew = job->anew;
     for (uint32_t n = (uint32_t)span.begin; n < span.end; n++) {
-        node_change change = change_of(e, n, m->moved, job->near);
         uint64_t rays = 0;
-        anew[n] = 0;
+        anew[n] = rsv_node_waits(e, n, m->moved) ? RSV_MOVE_WAITS : RSV_MOVE_NONE;
+        if (anew[n] == RSV_MOVE_WAITS) continue;
+        node_change change = change_of(e, n, m->moved, job->near);
         if (e->node_hanging[n] != RSV_NONE || !(change.near || change.moved)) continue;
         uint16_t valid = rsv_judge_points(scene, e, n, rsv_elements_draw_of(e, n), m->draw, &rays);
         anew[n] = change.moved || valid != valid_points[n] || scene->media.bodies;

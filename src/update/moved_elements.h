@@ -6,9 +6,16 @@
 #include "../elements/burial.h"
 #include "light_shafts.h"
 
+/// Whether a triangle, or the receiver points of a node, are elsewhere than when their light was computed.
+enum {
+    RSV_MOVE_NONE,  ///< no
+    RSV_MOVE_TURN,  ///< yes, and their light is computed again now
+    RSV_MOVE_WAITS, ///< yes, but they keep the light that they have for now
+};
+
 /// The motion, and how receiver points are drawn.
 typedef struct rsv_elements_motion {
-    const uint8_t *moved; ///< [triangle_count] 1 = it moved
+    const uint8_t *moved; ///< [triangle_count] RSV_MOVE_...
     /// Boxes around the old and new places of everything that moved; afterwards also around cells whose corners have
     /// become buried or free.
     rsv_scene_change *change;
@@ -22,9 +29,13 @@ typedef struct rsv_elements_motion {
 /// parents.
 void rsv_elements_unbridge(rsv_elements *elements);
 
+/// Whether a node keeps its light for now. One of its faces decides for all of them.
+/// @param moved [triangle_count] RSV_MOVE_...
+bool rsv_node_waits(const rsv_elements *elements, uint32_t node, const uint8_t *moved);
+
 /// @param scene in its present state, which the elements' own view shares
 /// @param valid_points [node_count] in and out
-/// @param anew out: [node_count] 1 = the node's receiver points have changed
+/// @param anew out: [node_count] RSV_MOVE_... of the node's receiver points
 rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *elements,
     const rsv_elements_motion *motion, uint16_t *valid_points, uint8_t *anew);
 

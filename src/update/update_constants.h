@@ -3,13 +3,17 @@
 #ifndef RSV_UPDATE_CONSTANTS_H
 #define RSV_UPDATE_CONSTANTS_H
 
-// ---- What counts as unchanged (history.c, scene_change.c) -------------------------------------------
+// ---- What counts as unchanged (history.c, scene_change.c, motion_boxes.c) -------------------------------------------
 
 /// An edit that changes the spacing of elements by less than this part leaves it as it was: a spacing of its own would
 /// keep no element, and so no row.
 #define LIKE_SPACING 0.1f
 /// Boxes of changes are enlarged by this fraction of their coordinates, against rounding.
 #define MARGIN 1e-5f
+/// A box around moving triangles is split where the two halves together have at most this share of its surface.
+#define SPLIT_GAIN 1.0f
+/// Splits of the box around everything that moves, so that there are no more parts than a change holds.
+#define BOX_LEVELS 4
 
 // ---- How far an edit reaches (light_shafts.c) -------------------------------------------------------
 

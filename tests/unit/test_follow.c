@@ -169,6 +169,29 @@ static void pictures_miss_no_bounce(void **state)
     close_stage(&s);
 }
 
+// ---- readings -------------------------------------------------------------------------------------
+
+/// Mean irradiance at points all over the floor and what stands on it. @param part of the scene along x, from its lower end
+static double mean_below(const rsv_light *light, float part)
+{
+    enum { SIDE = 24 };
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(light));
+    rsv_probe probe[SIDE * SIDE];
+    rsv_probe_reading reading[SIDE * SIDE];
+    rsv_vec3 low = view->bounds_min, size = v3_sub(view->bounds_max, low);
+    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 16 };
+    double sum = 0;
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        float x = ((float)(k % SIDE) + 0.5f) / SIDE, z = ((float)(k / SIDE) + 0.5f) / SIDE;
+        rsv_vec3 at = v3_add(low, v3(part * x * size.x, 0.7f * size.y, z * size.z));
+        probe[k] = (rsv_probe){ at, { 0, 1, 0 } };
+    }
+    assert_int_equal(rsv_probe_irradiance(light, &desc, probe, SIDE * SIDE, reading), RSV_OK);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        sum += (double)rgb_luminance(reading[k].irradiance);
+    return sum / (SIDE * SIDE);
+}
+
 // ---- rows -----------------------------------------------------------------------------------------
 
 static int compare_nodes(const void *left, const void *right)
@@ -281,6 +304,54 @@ static void what_comes_back_is_what_it_was(void **state)
     close_stage(&s);
 }
 
+/// Follows with a limit to the triangles whose own light is computed again, until none waits.
+static void follow_in_part(rsv_light *light, const stage *s, rsv_motion motion)
+{
+    rsv_update_report report = { 0 };
+    rsv_scene *there = moved(s, motion);
+    size_t before = SIZE_MAX;
+    do {
+        assert_int_equal(rsv_light_follow_part(light, there, 5, &report), RSV_OK);
+        assert_true(report.waiting_triangles < before);
+        before = report.waiting_triangles;
+    } while (before > 0);
+    rsv_scene_destroy(there);
+}
+
+/// Rows of a moving object whose light is computed in turns are those of one that had no limit, once it rests; what it
+/// hides and what it is seen as never wait.
+static void what_waits_is_computed_in_its_turn(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-blocks", "short block");
+    rsv_solve_desc desc = small_desc();
+    desc.element_target = 400;
+    desc.rays_per_element = 64;
+    const rsv_motion half = motion_of(&s, v3(-0.05f, 0, 0.02f), 0.2f, 0, 0),
+                     end = motion_of(&s, v3(-0.1f, 0, 0.04f), 0.4f, 0, 0);
+    rsv_light *whole = solve(s.scene, &desc), *part = solve(s.scene, &desc);
+    rsv_scene *on_the_way = moved(&s, half);
+    rsv_update_report report = { 0 };
+    follow(whole, &s, motion_of(&s, v3(0, 0, 0), 0, 0, 0));
+    follow(part, &s, motion_of(&s, v3(0, 0, 0), 0, 0, 0));
+    follow(whole, &s, half);
+    assert_int_equal(rsv_light_follow_part(part, on_the_way, 5, &report), RSV_OK);
+    assert_int_equal(report.waiting_triangles, 5); // of ten
+    double a = mean_below(whole, 1), b = mean_below(part, 1);
+    if (fabs(a / b - 1) > 0.02) fail_msg("mean %g with a limit, not %g", b, a);
+    follow(whole, &s, end);
+    follow_in_part(part, &s, end);
+    follow(whole, &s, end);
+    follow(part, &s, end); // at rest: divided alike
+    check_rows(whole, part);
+    a = mean_below(whole, 1), b = mean_below(part, 1);
+    if (fabs(a / b - 1) > 1e-3) fail_msg("at rest: mean %g with a limit, not %g", b, a);
+    rsv_scene_destroy(on_the_way);
+    rsv_light_destroy(whole);
+    rsv_light_destroy(part);
+    close_stage(&s);
+}
+
 static void rays_take_eight_bytes_at_most(void **state)
 {
     (void)state;
@@ -297,27 +368,6 @@ static void rays_take_eight_bytes_at_most(void **state)
 }
 
 // ---- light ----------------------------------------------------------------------------------------
-
-/// Mean irradiance at points all over the floor and what stands on it. @param part of the scene along x, from its lower end
-static double mean_below(const rsv_light *light, float part)
-{
-    enum { SIDE = 24 };
-    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(light));
-    rsv_probe probe[SIDE * SIDE];
-    rsv_probe_reading reading[SIDE * SIDE];
-    rsv_vec3 low = view->bounds_min, size = v3_sub(view->bounds_max, low);
-    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 16 };
-    double sum = 0;
-    for (int k = 0; k < SIDE * SIDE; k++) {
-        float x = ((float)(k % SIDE) + 0.5f) / SIDE, z = ((float)(k / SIDE) + 0.5f) / SIDE;
-        rsv_vec3 at = v3_add(low, v3(part * x * size.x, 0.7f * size.y, z * size.z));
-        probe[k] = (rsv_probe){ at, { 0, 1, 0 } };
-    }
-    assert_int_equal(rsv_probe_irradiance(light, &desc, probe, SIDE * SIDE, reading), RSV_OK);
-    for (int k = 0; k < SIDE * SIDE; k++)
-        sum += (double)rgb_luminance(reading[k].irradiance);
-    return sum / (SIDE * SIDE);
-}
 
 /// Random positions of an object: means of light that follows compared with those of new solves.
 /// @return mean difference, relative to the light
@@ -545,6 +595,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(objects_are_moved_and_nothing_else),
         cmocka_unit_test(motions_that_make_no_sense_are_refused),
         cmocka_unit_test(what_comes_back_is_what_it_was),
+        cmocka_unit_test(what_waits_is_computed_in_its_turn),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
         cmocka_unit_test(other_scenes_are_refused),
         cmocka_unit_test(meshes_that_deform_are_followed),

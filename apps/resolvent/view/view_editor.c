@@ -448,7 +448,7 @@ static rsv_status follow(cli_view_editor *e, cli_view_show *show, cli_view_state
 {
     rsv_scene *version = NULL;
     rsv_status status = place_parts(e, e->parts ? e->parts : e->original, &version);
-    if (status == RSV_OK) status = cli_show_follow(show, state, version);
+    if (status == RSV_OK) status = cli_show_follow(show, state, version, 0);
     if (status != RSV_OK) {
         rsv_scene_destroy(version);
         return status;
@@ -504,7 +504,7 @@ static rsv_status settle(cli_view_editor *e, cli_view_show *show, cli_view_state
 {
     if (e->settled || !e->version || ++e->quiet_frames < FRAMES_TO_SETTLE) return RSV_OK;
     e->settled = true;
-    return cli_show_follow(show, state, e->version);
+    return cli_show_follow(show, state, e->version, 0);
 }
 
 static bool save_wanted(cli_view_editor *e, char *problem)

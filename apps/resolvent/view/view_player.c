@@ -107,7 +107,7 @@ static bool follow(cli_view_player *p, cli_view_show *show, cli_view_state *stat
     bool first = !p->scene;
     rsv_status status = rsv_animation_scene(p->animation, p->clip, time, &wanted);
     if (status == RSV_OK) status = choose_version(p, state, wanted, &version);
-    if (status == RSV_OK) status = cli_show_follow(show, state, version);
+    if (status == RSV_OK) status = cli_show_follow(show, state, version, p->turns.most_triangles);
     if (status != RSV_OK) {
         if (version != wanted) rsv_scene_destroy(version);
         rsv_scene_destroy(wanted);
@@ -126,7 +126,7 @@ static bool settle(cli_view_player *p, cli_view_show *show, cli_view_state *stat
 {
     if (!p->scene || p->settled || ++p->quiet_frames < FRAMES_TO_SETTLE) return true;
     p->settled = true;
-    return cli_show_follow(show, state, p->scene) == RSV_OK ||
+    return cli_show_follow(show, state, p->scene, 0) == RSV_OK ||
            fail(state, problem, rsv_last_error());
 }
 

@@ -93,14 +93,15 @@ rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
     return status;
 }
 
-rsv_status cli_show_follow(cli_view_show *s, cli_view_state *state, const rsv_scene *scene)
+rsv_status cli_show_follow(
+    cli_view_show *s, cli_view_state *state, const rsv_scene *scene, size_t most_triangles)
 {
     if (s->fade > 0) end_fade(s);
     cli_view_frames_detach(s->lit.frames);
     rsv_relighter_destroy(s->lit.relighter);
     s->lit.relighter = NULL;
     s->lit.follows = true;
-    rsv_status status = rsv_light_follow(s->lit.light, scene, NULL);
+    rsv_status status = rsv_light_follow_part(s->lit.light, scene, most_triangles, NULL);
     if (status == RSV_OK) status = cli_view_frames_begin_again(s->lit.frames);
     if (status != RSV_OK && status != RSV_ERROR_UNSUPPORTED) return status;
     rsv_status made = begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;

@@ -59,7 +59,9 @@ rsv_status cli_show_frame(
 
 /// Takes the light to a version of the scene in which surfaces have moved. From then on sources and materials cannot be
 /// changed. After an error other than RSV_ERROR_UNSUPPORTED nothing can be displayed any more.
-rsv_status cli_show_follow(cli_view_show *show, cli_view_state *state, const rsv_scene *scene);
+/// @param most_triangles of moving surfaces whose own light is computed again; 0 = all
+rsv_status cli_show_follow(
+    cli_view_show *show, cli_view_state *state, const rsv_scene *scene, size_t most_triangles);
 
 /// Shows the light of another scene instead, whose sources and materials cannot be changed.
 /// @param light taken over, even after an error: nothing can be displayed any more then

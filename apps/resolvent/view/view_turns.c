@@ -10,6 +10,9 @@
 #define SHARE_OF_LEAST 0.5
 /// Weight of what is behind the camera: its light and shadows may still be seen.
 #define WEIGHT_UNSEEN 0.1f
+/// Triangles whose own light is computed again in a step: at least, and at first after one that took too long.
+#define LEAST_TRIANGLES 400
+#define FIRST_TRIANGLES 1600
 /// The least time of a step is forgotten at this rate.
 #define FORGETTING 1.02
 
@@ -136,8 +139,23 @@ bool cli_turns_take(cli_turns *t, const rsv_scene_view *shown, const rsv_scene_v
     return true;
 }
 
+/// Steps that take too long compute the light on fewer triangles from then on.
+static void limit_triangles(cli_turns *t, double ms)
+{
+    if (t->budget_ms == 0) return;
+    if (ms > t->budget_ms) {
+        size_t fewer = t->most_triangles / 2;
+        t->most_triangles = t->most_triangles == 0    ? FIRST_TRIANGLES
+                            : fewer > LEAST_TRIANGLES ? fewer
+                                                      : LEAST_TRIANGLES;
+    } else if (ms < 0.5 * t->budget_ms) {
+        t->most_triangles *= 2;
+    }
+}
+
 void cli_turns_note(cli_turns *t, double ms)
 {
+    limit_triangles(t, ms);
     bool less = t->least_ms == 0 || ms < t->least_ms;
     t->least_ms = less ? ms : t->least_ms * FORGETTING;
     t->steps++;

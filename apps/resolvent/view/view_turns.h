@@ -14,6 +14,7 @@ typedef struct cli_turns {
     size_t object_count;
     size_t going, waiting;    ///< objects, in this frame
     double least_ms, each_ms; ///< of a step: without objects, and for each; 0 = not known yet
+    size_t most_triangles;    ///< whose own light is computed again in a step; 0 = all
     uint32_t late_frames;     ///< in which objects had to wait
     uint32_t steps;
     double sum_ms, longest_ms; ///< of the steps
