@@ -15,7 +15,7 @@
 ///   follows within a few frames, at a cost that the engine chooses.
 ///
 /// The radiance of a diffuse surface is albedo * E / pi. docs/runtime.md shows how to use this header;
-/// docs/operator-files.md and docs/bake.md describe the files that hold the arrays.
+/// docs/operator-files.md and docs/bake-reference.md describe the files that hold the arrays.
 #ifndef RESOLVENT_RT_H
 #define RESOLVENT_RT_H
 

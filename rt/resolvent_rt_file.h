@@ -42,7 +42,7 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *transport);
 int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct);
 
 /// The receivers of an operator file that `resolvent bake --operator` wrote, checked: the baked vertices or texels, in
-/// the order given in docs/bake.md. @return 0, or -1 with file->message
+/// the order given in docs/bake-reference.md. @return 0, or -1 with file->message
 int rsv_rt_file_receivers(
     rsv_rt_file *file, const rsv_rt_operator *transport, rsv_rt_receivers *receivers);
 

@@ -20,7 +20,7 @@ static const char help[] =
     "Solves the light of SCENE and writes it into a copy of its glTF file, for engines and web pages.\n"
     "Everything else in the file is kept: nodes, animations, cameras, extras, extensions. Other scenes\n"
     "become a new glTF file. A file from `solve` or `relight` is baked with its lights and colours,\n"
-    "without solving again. docs/bake.md describes the output.\n"
+    "without solving again. docs/bake-reference.md describes the output.\n"
     "\n"
     "  --to TARGET        one of {--to}\n"
     "  --to vertex        light in COLOR_0; surfaces are subdivided where the light requires it\n"
@@ -342,7 +342,7 @@ static int run(cli_session *session, settings *s)
     return exit_status;
 }
 
-/// Whether none of the files written beside the output (docs/bake.md) would replace an input.
+/// Whether none of the files written beside the output (docs/bake-reference.md) would replace an input.
 static bool keeps_inputs(const settings *s)
 {
     static const char *const sides[] = { ".lightmap.exr", ".lightmap.ktx2", ".lightmap-x.exr",

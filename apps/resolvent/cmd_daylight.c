@@ -141,33 +141,6 @@ typedef struct daylight_job {
     bool *rooflit;  ///< [run.room_count]
 } daylight_job;
 
-/// Grids of the library's, as points of a file would be.
-static rsv_status lay_grids(daylight_job *job)
-{
-    size_t count = 0;
-    rsv_status status = rsv_daylight_sensors(
-        job->scene[0], (double)job->s->height, (double)job->s->spacing, &job->points.probe, &count);
-    if (status != RSV_OK) return status;
-    rsv_probe *laid = job->points.probe;
-    const double *origin = rsv_scene_get_view(job->scene[0])->origin;
-    job->points.probe = calloc(count, sizeof *laid);
-    job->points.given = calloc(count, sizeof *job->points.given);
-    if (!job->points.probe || !job->points.given) {
-        rsv_daylight_free_sensors(job->scene[0], laid);
-        return RSV_ERROR_MEMORY;
-    }
-    for (size_t k = 0; k < count; k++) {
-        const float *p = &laid[k].position.x;
-        job->points.probe[k] = laid[k];
-        for (int axis = 0; axis < 3; axis++)
-            job->points.given[k][axis] = (double)p[axis] + origin[axis];
-        job->points.given[k][4] = 1;
-    }
-    job->points.count = count;
-    rsv_daylight_free_sensors(job->scene[0], laid);
-    return RSV_OK;
-}
-
 /// @param state 0 = shades up, 1 = down
 static rsv_status solve_state(daylight_job *job, int state)
 {
@@ -310,7 +283,8 @@ static rsv_status find_sensors(daylight_job *job)
     if (job->s->points)
         cli_place_points(&job->points, job->scene[0]);
     else
-        status = lay_grids(job);
+        status = cli_lay_grids(
+            job->scene[0], (double)job->s->height, (double)job->s->spacing, &job->points);
     return status == RSV_OK ? find_rooms(job) : status;
 }
 

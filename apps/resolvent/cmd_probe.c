@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 static const char help[] =
-    "usage: resolvent probe SCENE --points IN.csv -o OUT.csv [options]\n"
+    "usage: resolvent probe SCENE --points IN.csv|--grid M -o OUT.csv [options]\n"
     "\n"
     "Reads irradiance (W/m2, linear RGB; lux with --photometric) at points. SCENE is a file, a built-in\n"
     "scene, or a file from `resolvent solve`. Each line of IN.csv is a point and a direction:\n"
@@ -20,6 +20,9 @@ static const char help[] =
     "error. Points cast no shadow. A point on a surface is on the side that its normal points to.\n"
     "\n"
     "  --points FILE      the points\n"
+    "  --grid M           instead of --points: points M metres apart on a grid above each floor. They\n"
+    "                     face up, and keep 0.3 m away from walls and furniture\n"
+    "  --height M         height of the grid above the floor (default 0.8)\n"
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
@@ -37,6 +40,7 @@ static const char help[] =
     "examples:\n"
     "  resolvent probe room.glb --points desk.csv -o desk-light.csv\n"
     "  resolvent probe room.safetensors --points desk.csv -o desk-lux.csv --photometric\n"
+    "  resolvent probe room.safetensors --grid 0.5 -o floor-lux.csv --photometric\n"
     "  resolvent probe room.glb --points desk.csv -o judge.csv --mode reference --samples 1000000\n";
 
 static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
@@ -53,6 +57,7 @@ typedef struct settings {
     int mode;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads;
+    float grid, height; ///< m; grid: 0 = points from a file
     bool goal, photometric, cylindrical;
 } settings;
 
@@ -60,6 +65,13 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
+        { .name = "--grid", .kind = CLI_REAL, .value = &s->grid, .min = 0.01, .max = 100 },
+        { .name = "--height",
+            .kind = CLI_REAL,
+            .value = &s->height,
+            .min = 0.001,
+            .max = 100,
+            .goes_with = "--grid" },
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
@@ -80,12 +92,17 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
-    const cli_usage usage = { "probe", help, options, "SCENE", 1, 1,
-        "--points -o --mode --photometric --samples --quality --env --light-units --luminaire" };
+    const cli_usage usage = {
+        "probe", help, options, "SCENE", 1, 1,
+        "--points --grid -o --mode --photometric --samples --quality --env --light-units --luminaire"
+    };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
-    if (!s->points || !s->output)
-        *exit_status =
-            cli_usage_error("probe", "%s is missing", s->points ? "-o OUT.csv" : "--points IN.csv");
+    if (!s->output)
+        *exit_status = cli_usage_error("probe", "-o OUT.csv is missing");
+    else if (!s->points == (s->grid == 0))
+        *exit_status = cli_usage_error(
+            "probe", s->points ? "--points and --grid exclude each other; leave out one"
+                               : "--points IN.csv or --grid M is missing");
     else if (s->goal && s->mode == RSV_PROBE_REFERENCE)
         *exit_status =
             cli_usage_error("probe", "--mode reference solves nothing: leave out --goal");
@@ -187,19 +204,34 @@ static bool write_readings(cli_session *session, const settings *s, const cli_su
                           : cli_write_readings(s->output, points, readings);
 }
 
-static int run(cli_session *session, const settings *s, const cli_points *points)
+/// The points in the scene: those of the file, or grids. Prints errors.
+static bool place_points(
+    cli_session *session, const settings *s, const rsv_scene *scene, cli_points *points)
+{
+    if (s->points) {
+        cli_place_points(points, scene);
+        return true;
+    }
+    rsv_status status = cli_lay_grids(scene, (double)s->height, (double)s->grid, points);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+static int run(cli_session *session, const settings *s, cli_points *points)
 {
     int exit_status = CLI_FAILURE;
     double time_render = 0;
     rsv_certificate certificate;
     cli_subject subject = { 0 };
-    rsv_probe_reading *readings = calloc(points->count, sizeof *readings);
-    if (!cli_open_subject(session, s->scene, &s->environment, &subject)) goto cleanup;
+    rsv_probe_reading *readings = NULL;
+    if (!cli_open_subject(session, s->scene, &s->environment, &subject) ||
+        !place_points(session, s, subject.scene, points))
+        goto cleanup;
+    readings = calloc(points->count, sizeof *readings);
     if (!readings) {
         cli_error("out of memory for %zu points", points->count);
         goto cleanup;
     }
-    cli_place_points(points, subject.scene);
     rsv_status status = solve(session, s, points, &subject, &certificate);
     if (status == RSV_OK) status = read_light(s, points, &subject, readings, &time_render);
     if (status != RSV_OK)
@@ -220,6 +252,7 @@ int cli_probe(int argc, char **argv)
 {
     static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
     settings s = { .mode = RSV_PROBE_OPERATOR,
+        .height = 0.8f,
         .solve = CLI_DEFAULT_SOLVE,
         .environment = CLI_DEFAULT_ENVIRONMENT,
         .moment = CLI_AT_REST };
@@ -231,7 +264,7 @@ int cli_probe(int argc, char **argv)
     exit_status = CLI_FAILURE;
     if (cli_check_output(s.output) && (!s.stats || cli_check_output(s.stats)) &&
         cli_check_apart(s.output, s.points) && cli_check_apart(s.stats, s.points) &&
-        cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
+        cli_check_apart(s.stats, s.output) && (!s.points || cli_read_points(s.points, &points)) &&
         cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
         session.moment = s.moment;

@@ -120,13 +120,6 @@ static bool is_planned(const settings *s)
            !s->gather_rays && !s->goal;
 }
 
-/// Plans cannot estimate the error of light in fog. They fail if one was asked for; otherwise they are not used.
-static bool gives_up_plan(const settings *s, const rsv_scene *scene)
-{
-    bool asked = s->target.share > 0 || s->target.max_seconds > 0;
-    return s->planned && !asked && rsv_scene_get_view(scene)->fog;
-}
-
 /// Refuses options that exclude each other.
 static bool check_sequence(settings *s, int *exit_status)
 {
@@ -652,7 +645,6 @@ static int run(cli_session *session, settings *s)
     float exposure = 0;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
-    if (gives_up_plan(s, subject.scene)) s->planned = false;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 

@@ -179,7 +179,7 @@ static int report_bad_value(const cli_usage *usage, const cli_option *option, co
     case CLI_SIDES:
     case CLI_SIZE:
         snprintf(expected, sizeof expected,
-            "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f, and %u pixels in all",
+            "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f, and at most %u pixels in all",
             option->min, option->max, MOST_PIXELS);
         break;
     case CLI_BYTES:

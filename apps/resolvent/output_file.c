@@ -47,7 +47,8 @@ bool cli_check_output(const char *path)
     if (is_special_file(path)) return true;
     folder_of(path, folder, sizeof folder);
     if (access(folder, W_OK | X_OK) != 0) {
-        cli_error("%s: cannot write in the folder '%s': %s", path, folder, strerror(errno));
+        cli_error("%s: cannot write in the folder '%s': %s%s", path, folder, strerror(errno),
+            errno == ENOENT ? "; create it first" : "");
         return false;
     }
     return true;

@@ -3,6 +3,8 @@
 #include "output_file.h"
 #include "session.h"
 
+#include "resolvent/daylight.h"
+
 #include <errno.h>
 #include <float.h>
 #include <math.h>
@@ -213,6 +215,28 @@ void cli_place_points(const cli_points *points, const rsv_scene *scene)
         points->probe[i].position = (rsv_vec3){ (float)(given[0] - origin[0]),
             (float)(given[1] - origin[1]), (float)(given[2] - origin[2]) };
     }
+}
+
+rsv_status cli_lay_grids(const rsv_scene *scene, double height, double spacing, cli_points *points)
+{
+    size_t count = 0;
+    rsv_probe *laid = NULL;
+    rsv_status status = rsv_daylight_sensors(scene, height, spacing, &laid, &count);
+    if (status != RSV_OK) return status;
+    const double *origin = rsv_scene_get_view(scene)->origin;
+    points->probe = calloc(count, sizeof *points->probe);
+    points->given = calloc(count, sizeof *points->given);
+    if (!points->probe || !points->given) status = RSV_ERROR_MEMORY;
+    for (size_t k = 0; status == RSV_OK && k < count; k++) {
+        const float *p = &laid[k].position.x;
+        points->probe[k] = laid[k];
+        for (int axis = 0; axis < 3; axis++)
+            points->given[k][axis] = (double)p[axis] + origin[axis];
+        points->given[k][4] = 1;
+    }
+    if (status == RSV_OK) points->count = count;
+    rsv_daylight_free_sensors(scene, laid);
+    return status;
 }
 
 void cli_free_points(cli_points *points)

@@ -30,6 +30,9 @@ typedef struct cli_points {
 bool cli_read_points(const char *path, cli_points *points);
 void cli_free_points(cli_points *points);
 
+/// Lays grids of points above the floors of a scene (rsv_daylight_sensors), in place of a file's. @param points zero
+rsv_status cli_lay_grids(const rsv_scene *scene, double height, double spacing, cli_points *points);
+
 /// Makes probes of points of the scene's file: less the origin that was taken out of the scene.
 void cli_place_points(const cli_points *points, const rsv_scene *scene);
 

@@ -24,7 +24,7 @@ double cli_seconds(void)
 
 void cli_progress_begin(cli_progress *progress)
 {
-    *progress = (cli_progress){ .terminal = isatty(STDERR_FILENO) };
+    *progress = (cli_progress){ .terminal = isatty(STDERR_FILENO), .printed_percent = -1 };
     progress->work_started = cli_seconds();
     progress->part_share = 1;
 }
@@ -120,10 +120,12 @@ static void show(cli_progress *progress, double now)
     if (progress->terminal) {
         draw_bar(progress, eta);
         progress->bar_shown = true;
-    } else {
-        fprintf(stderr, "%s%s: %.0f %%%s\n", progress->part, progress->phase,
-            floor(100 * progress->done), eta);
+        return;
     }
+    int percent = (int)floor(100 * progress->done);
+    if (percent == progress->printed_percent) return; // a log needs no line twice
+    fprintf(stderr, "%s%s: %d %%%s\n", progress->part, progress->phase, percent, eta);
+    progress->printed_percent = percent;
 }
 
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction)

@@ -22,6 +22,7 @@ typedef struct cli_progress {
     double work_started; ///< seconds, cli_seconds()
     double phase_started; ///< of the first phase; 0 = none has begun
     double last_shown;
+    int printed_percent; ///< of the last plain line; -1 = there is none
 } cli_progress;
 
 void cli_progress_begin(cli_progress *progress);

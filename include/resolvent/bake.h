@@ -4,7 +4,8 @@
 /// Starts from the scene's own glTF file, which scenes and operator files can keep (rsv_load_desc.keep_document). Only
 /// parts of its JSON change: nodes, animations, cameras, extras and unknown extensions stay as they are. Scenes without
 /// such a file (other formats, built-in, made in code) are written as new files. Changes made by relighting are
-/// included: strengths, colours and positions of lights, colours of materials. docs/bake.md describes the output.
+/// included: strengths, colours and positions of lights, colours of materials. docs/bake-reference.md describes the
+/// files.
 #ifndef RESOLVENT_BAKE_H
 #define RESOLVENT_BAKE_H
 
@@ -64,7 +65,7 @@ typedef struct rsv_bake_desc {
     bool keep_uv;
     bool directional; ///< lightmaps: also store the direction of light, for normal maps
     bool basis;       ///< also write the contribution of each light, for the runtime
-    bool packed;      ///< write the basis in about a tenth of the bytes, as halves (docs/bake.md)
+    bool packed;      ///< write the basis in about a tenth of the bytes, as halves (docs/bake-reference.md)
     /// Vertices, lightmaps: also write the operator, for lights that were not baked
     bool operator_file;
     /// Number of angles about the vertical, evenly spaced over a full turn, for which a basis holds the environment;

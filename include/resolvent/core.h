@@ -54,7 +54,7 @@ typedef struct rsv_context rsv_context;
 
 // Descriptors, here and in the other headers, hold the options of a function. Each begins with its size, so that later
 // versions of the library can add fields. rsv_default_..._desc() sets it; in an initialiser, set it to sizeof the
-// descriptor. Functions use defaults for NULL, and refuse a descriptor without a size (RSV_ERROR_ARGUMENT). See
+// descriptor. Functions use defaults for NULL, and reject a descriptor without a size (RSV_ERROR_ARGUMENT). See
 // docs/api.md, Versions.
 
 /// How a context behaves. Start from rsv_default_context_desc().
@@ -86,7 +86,7 @@ typedef struct rsv_context_desc {
     struct rsv_device *device;
     /// An RTCDevice of the Embree that the library is linked to; borrowed. All contexts with this device build and
     /// trace their hierarchies with it, using its threads and settings. NULL = each hierarchy has its own device.
-    /// Builds without Embree refuse it when they trace (RSV_ERROR_UNSUPPORTED).
+    /// Builds without Embree do not support it: tracing fails (RSV_ERROR_UNSUPPORTED).
     void *embree_device;
 } rsv_context_desc;
 

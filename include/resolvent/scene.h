@@ -402,7 +402,7 @@ RSV_API rsv_fog rsv_default_fog(void);
 /// Fills a committed scene with fog. NULL, or fog without extinction, removes it. Heights and the box are in the
 /// coordinates of the scene's file. RSV_ERROR_ARGUMENT for values outside their ranges. Mode `reference` supports all
 /// fog. rsv_light_create, and rsv_render, rsv_probe_irradiance and rsv_certify with its solution, support fog in a
-/// finite box. Everything else refuses scenes with fog (RSV_ERROR_UNSUPPORTED; docs/media.md).
+/// finite box. Nothing else supports scenes with fog (RSV_ERROR_UNSUPPORTED; docs/media.md).
 RSV_API rsv_status rsv_scene_set_fog(rsv_scene *scene, const rsv_fog *fog);
 
 /// Fills the box of a grid with fog whose extinction and emission are those of `fog` times the density there. The box and

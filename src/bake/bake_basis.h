@@ -1,4 +1,4 @@
-/// Files with the contribution of each light, for the runtime (docs/bake.md).
+/// Files with the contribution of each light, for the runtime (docs/bake-reference.md).
 #ifndef RSV_BAKE_BASIS_H
 #define RSV_BAKE_BASIS_H
 

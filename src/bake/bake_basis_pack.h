@@ -5,7 +5,7 @@
 
 #include "../core/core.h"
 
-/// One light of a basis, packed (docs/bake.md).
+/// One light of a basis, packed (docs/bake-reference.md).
 typedef struct rsv_packed_light {
     uint8_t *bytes; ///< freed through the context
     size_t count;

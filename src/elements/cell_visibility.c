@@ -129,15 +129,15 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_spec
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
     *path = rsv_specular_begin(scene, NULL, ray->direction, hit);
-    bool opaque = !bsdf->double_sided && is_opaque(scene, &hit);
     if (rsv_twins_meet(scene->view, ray->direction, hit)) return SIGHT_BOTH;
-    return path->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
+    return path->back && rsv_bounds_body(bsdf) ? SIGHT_BACK : SIGHT_FRONT;
 }
 
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
     uint64_t *rays)
 {
     int backs = 0;
+    if (scene->no_insides) return false;
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
         rsv_specular_path path;
         rsv_ray ray = ray_from(place, normal, k, seed);
@@ -153,6 +153,7 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     uint32_t seed, uint64_t *rays)
 {
     int backs = 0;
+    if (scene->no_insides) return false;
     for (int k = 0; k < BURIAL_RAYS; k++) {
         if (backs >= BURIAL_MAJORITY || backs + BURIAL_RAYS - k < BURIAL_MAJORITY) break; // decided
         rsv_specular_path path;
@@ -209,8 +210,7 @@ static bool leaves_body(const rsv_transport_scene *scene, rsv_ray ray, uint64_t 
             rsv_surface_point_at(scene->view, hit.triangle, hit.u, hit.v, false);
         bool back = v3_dot(met.geometric, ray.direction) > 0;
         // where bodies touch, one is left and another entered; a wall written twice is neither
-        bool skin = !bsdf->double_sided && is_opaque(scene, &hit) &&
-                    !rsv_twins_meet(scene->view, ray.direction, hit);
+        bool skin = rsv_bounds_body(bsdf) && !rsv_twins_meet(scene->view, ray.direction, hit);
         if (skin) {
             if (back && entered == 0) return true;
             entered += back ? -1 : 1;
@@ -241,6 +241,7 @@ static bool wanders_to_skin(
 bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
     uint32_t seed, uint64_t *rays)
 {
+    if (scene->no_insides) return false;
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
         rsv_ray ray = ray_from(place, normal, k, seed);
         if (!leaves_body(scene, ray, rays) && !wanders_to_skin(scene, ray, k, seed, rays))

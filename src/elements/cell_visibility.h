@@ -44,6 +44,12 @@ RSV_INLINE bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, 
     return rsv_clear_part(scene, from, to) < 1;
 }
 
+/// Whether a surface is the skin of an opaque body: its back is inside.
+RSV_INLINE bool rsv_bounds_body(const rsv_bsdf *bsdf)
+{
+    return !bsdf->double_sided && bsdf->transmission == 0 && bsdf->opacity == 1;
+}
+
 /// Whether a place sees nothing but the backs of one-sided opaque surfaces: it lies inside something.
 /// @param seed of the few directions that are tried
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,

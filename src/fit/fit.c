@@ -83,8 +83,9 @@ static rsv_status find_lights(rsv_fit *f)
     }
     for (size_t k = 0; k < f->desc.keep_count; k++)
         if (!keep_light(f, f->desc.keep[k]))
-            return rsv_fail(
-                RSV_ERROR_ARGUMENT, "fit: there is no light '%.200s' to keep", f->desc.keep[k]);
+            return rsv_fail(RSV_ERROR_ARGUMENT,
+                "fit: there is no light '%.200s' to keep; `resolvent info` lists them",
+                f->desc.keep[k]);
     for (size_t k = 0; k < count; k++)
         free -= f->kept[k];
     if (free) return RSV_OK;

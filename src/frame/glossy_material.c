@@ -89,18 +89,18 @@ static bool has_plain_textures(const rsv_transport_scene *scene, uint32_t materi
     return true;
 }
 
-/// Whether all lobes but the diffuse one are rough and reflect about one normal.
+/// Whether all lobes but the diffuse one are rough and reflect or refract about one normal.
 static bool has_plain_lobes(const rsv_bsdf *b)
 {
     bool smooth_coat = b->clearcoat > 0 && b->clearcoat_alpha == 0;
-    return b->alpha > 0 && b->transmission == 0 && b->passed == 0 && !smooth_coat && !b->tilted;
+    return b->alpha > 0 && !smooth_coat && !b->tilted;
 }
 
 static bool is_plain(const rsv_transport_scene *scene, uint32_t material)
 {
     const rsv_bsdf *b = &scene->bsdf[material];
     bool covers = scene->view->material[material].alpha_cutoff > 0 || b->opacity >= 1;
-    if (b->unlit || b->solid || rsv_hides_emission(b)) return false;
+    if (b->unlit || rsv_hides_emission(b)) return false;
     return has_plain_lobes(b) && covers && has_plain_textures(scene, material);
 }
 
@@ -242,7 +242,8 @@ static void fill_material(const rsv_transport_scene *scene, uint32_t material, r
     to->metallic = to->metal ? m->metallic : 0;
     to->roughness = m->roughness;
     to->coat_alpha = b->clearcoat > 0 ? b->clearcoat_alpha : INFINITY;
-    to->even = !b->layered && (to->metal || b->metallic == 0);
+    bool opaque = b->transmission == 0 && b->passed == 0;
+    to->even = opaque && !b->layered && (to->metal || b->metallic == 0);
     to->bare = b->diffuse == 0;
     for (int k = 0; k < RSV_TABLE_COS && !rsv_glossy_is_general(to); k++)
         fill_row(b, k, row[k]);

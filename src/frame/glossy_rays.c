@@ -17,6 +17,9 @@
 #define LITTLE_SHOWN 0.05f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
+/// Events of the paths that lobes of rough glass are followed by: as in pictures, because light is often reflected within
+/// bodies. Among frosted spheres, 4 events would miss 31 % of the light, 16 still 3 %.
+#define WHOLE_EVENTS RSV_CAMERA_PATH_DEPTH
 /// Highlights of punctual lights that reflections show are as of lobes wider by so much, radian^2: one ray stands for
 /// several cells, and would otherwise spread the image of a highlight, small and hundreds of times as bright, over all
 /// of them.
@@ -131,7 +134,8 @@ static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, u
     rsv_rgb own, float share)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events + MOST_EVENTS, false, NULL, REFLECTED_VARIANCE, false };
+        path->events > 0 ? path->events + MOST_EVENTS : WHOLE_EVENTS, false, NULL,
+        REFLECTED_VARIANCE, false };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);
@@ -263,6 +267,7 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     rsv_bsdf_branches branches = rsv_specular_branches(scene_of(r), path);
     if (!rgb_is_black(branches.diffuse)) add_diffuse(&base, path, branches.diffuse);
     rsv_rgb light = rgb_sub(follow(r, path, trail, own, 1), base.radiance);
+    r->rays++;
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 

@@ -74,12 +74,14 @@ static uint32_t first_face_cell(const rsv_light_view *s)
     return 1 + (uint32_t)s->scene.view->material_count;
 }
 
-/// Whether rsv_glossy_material describes a side. Sides of bare metal have no face.
+/// Whether rsv_glossy_material describes a side. Sides of bare metal have no face, nor have the insides of bodies, which
+/// it does not describe.
 static bool is_glossy(const rsv_light_table *t, uint32_t material, uint32_t face, bool back)
 {
     const rsv_bsdf *bsdf = &t->solution->bsdf[material];
     if (!t->glossy || !t->glossy->material[material].plain) return false;
-    return (face != RSV_NONE || bsdf->diffuse == 0) && (!back || bsdf->double_sided);
+    bool seen = !back || (bsdf->double_sided && !bsdf->solid);
+    return (face != RSV_NONE || bsdf->diffuse == 0) && seen;
 }
 
 static rsv_shown_side shown_side(const rsv_light_table *t, uint32_t triangle, bool back)

@@ -70,8 +70,9 @@ rsv_status rsv_atomic_file_open(rsv_atomic_file *file, const char *path)
     int folder_length = slash ? (int)(slash - file->target) + 1 : 0;
     file->descriptor = open_temporary(file, folder_length);
     if (file->descriptor < 0)
-        return rsv_fail(RSV_ERROR_IO, "cannot write '%s' into folder '%.*s': %s", path,
-            slash ? folder_length : 1, slash ? file->target : ".", strerror(errno));
+        return rsv_fail(RSV_ERROR_IO, "cannot write '%s' into folder '%.*s': %s%s", path,
+            slash ? folder_length : 1, slash ? file->target : ".", strerror(errno),
+            errno == ENOENT ? "; create the folder first" : "");
     if (permissions && fchmod(file->descriptor, permissions) != 0) file->error = errno;
     return RSV_OK;
 }

@@ -1,6 +1,8 @@
 /// KTX 2.0 (Khronos, "KTX File Format Specification", 2.0.4).
 #include "image_ktx.h"
 
+#include "basis_lz.h"
+#include "basis_uastc.h"
 #include "resolvent/scene.h"
 
 #include <math.h>
@@ -40,10 +42,18 @@ static const size_t bytes_of_type[] = { [UNORM8] = 1, [UNORM16] = 2, [FLOAT16] =
 
 enum { PLAIN, BASIS_LZ, ZSTANDARD, ZLIB };
 
+/// How texels are encoded, besides the packing. Blocks of Basis Universal are decoded to 8-bit RGBA.
+typedef enum encoding { TEXELS, ETC1S, UASTC } encoding;
+
+static const texel_format decoded_blocks = { 0, UNORM8, 4, false };
+
 /// The fields of a file that are used.
 typedef struct ktx {
     const rsv_image_file *file;
     const texel_format *format;
+    encoding encoding;
+    bool srgb, opaque;       ///< of blocks
+    rsv_basis_second second; ///< channel of blocks that lies apart from the others
     uint32_t width, height, packing;
     uint64_t at, size; ///< of the finest level
     size_t unpacked;   ///< bytes
@@ -63,21 +73,57 @@ static rsv_status refuse(const ktx *k, rsv_status status, const char *why)
     return rsv_fail(status, "cannot read '%s': %s", k->file->path, why);
 }
 
+/// Numbers of the Khronos Data Format Specification.
+enum { MODEL_ETC1S = 163, MODEL_UASTC = 166, TRANSFER_SRGB = 2, SAMPLE_BYTES = 16 };
+
+/// Channel of a sample of the data format descriptor; -1 = it has fewer.
+static int channel_of(const uint8_t *descriptor, size_t size, size_t sample)
+{
+    const size_t first = 28, end = first + (sample + 1) * SAMPLE_BYTES;
+    return size < end ? -1 : descriptor[end - SAMPLE_BYTES + 3] & 15;
+}
+
+static rsv_basis_second second_of(encoding kind, int channel, int next)
+{
+    if (kind == UASTC)
+        return channel == 3 ? RSV_BASIS_ALPHA : channel == 5 ? RSV_BASIS_GREEN : RSV_BASIS_NONE;
+    return next == 15 ? RSV_BASIS_ALPHA : next == 4 ? RSV_BASIS_GREEN : RSV_BASIS_NONE;
+}
+
+/// Files without a format of Vulkan's describe it themselves.
+static rsv_status find_basis_format(ktx *k)
+{
+    const uint8_t *head = k->file->bytes;
+    size_t at = u32(head + 48), size = u32(head + 52);
+    if (at > k->file->size || size > k->file->size - at || channel_of(head, size, 0) < 0)
+        return refuse(k, RSV_ERROR_FORMAT, "its data format descriptor is damaged");
+    const uint8_t *descriptor = head + at;
+    uint8_t model = descriptor[12];
+    k->encoding = model == MODEL_ETC1S ? ETC1S : UASTC;
+    if ((model != MODEL_ETC1S && model != MODEL_UASTC) ||
+        (k->packing == BASIS_LZ) != (k->encoding == ETC1S))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "cannot read '%s': its texels are compressed in a way that is not supported (colour model %u, "
+            "packing %u); export PNG, JPEG or WebP, or KTX2 with ETC1S or UASTC",
+            k->file->path, model, k->packing);
+    k->format = &decoded_blocks;
+    k->srgb = descriptor[14] == TRANSFER_SRGB;
+    k->second =
+        second_of(k->encoding, channel_of(descriptor, size, 0), channel_of(descriptor, size, 1));
+    k->opaque = k->second != RSV_BASIS_ALPHA;
+    return RSV_OK;
+}
+
 static rsv_status find_format(ktx *k)
 {
     uint32_t number = u32(k->file->bytes + 12);
+    if (number == 0 || k->packing == BASIS_LZ) return find_basis_format(k);
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (formats[i].number == number) k->format = &formats[i];
-    if (number == 0 || k->packing == BASIS_LZ)
-        return refuse(k, RSV_ERROR_UNSUPPORTED,
-            "its texels are compressed by Basis Universal, which is not supported; convert it with "
-            "`ktx extract --transcode rgba8 FILE.ktx2 FILE.png` (KTX-Software), or export PNG, JPEG "
-            "or WebP");
     if (k->format) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "cannot read '%s': its texels have Vulkan's format %u, which is not supported (8 or 16 "
-        "bits "
-        "or floats per channel are); export PNG, JPEG or WebP",
+        "cannot read '%s': its texels have Vulkan's format %u, which is not supported (8 or 16 bits or floats "
+        "per channel are, and Basis Universal); export PNG, JPEG or WebP",
         k->file->path, number);
 }
 
@@ -93,6 +139,14 @@ static rsv_status check_shape(const ktx *k)
         k->file->path, k->width, k->height, RSV_TEXTURE_MAX_SIDE);
 }
 
+/// Bytes before packing.
+static size_t size_of_level(const ktx *k)
+{
+    if (k->encoding == UASTC)
+        return (size_t)((k->width + 3) / 4) * ((k->height + 3) / 4) * RSV_UASTC_BLOCK_BYTES;
+    return (size_t)k->width * k->height * k->format->channels * bytes_of_type[k->format->type];
+}
+
 /// The finest level, which is described first.
 static rsv_status find_level(ktx *k)
 {
@@ -101,10 +155,10 @@ static rsv_status find_level(ktx *k)
         return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
     k->at = u64(level);
     k->size = u64(level + 8);
-    k->unpacked =
-        (size_t)k->width * k->height * k->format->channels * bytes_of_type[k->format->type];
+    k->unpacked = size_of_level(k);
     if (k->at > k->file->size || k->size > k->file->size - k->at)
         return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
+    if (k->encoding == ETC1S) return RSV_OK;
     bool fits = k->packing == PLAIN ? k->size == k->unpacked
                                     : k->unpacked / BYTES_PER_PACKED_BYTE <= k->size;
     if (fits) return RSV_OK;
@@ -164,15 +218,15 @@ cleanup:
     return status;
 }
 
-// ---- texels -------------------------------------------------------------------------------------
+// ---- packing ------------------------------------------------------------------------------------
 
-/// Finds or unpacks the stored texels. @param owned to be freed; NULL = they lie in the file
+/// Finds or unpacks the stored texels or blocks. @param owned to be freed; NULL = they lie in the file
 static rsv_status unpack(
     rsv_context *context, const ktx *k, uint8_t **owned, const uint8_t **texels)
 {
     *owned = NULL;
     *texels = k->file->bytes + k->at;
-    if (k->packing == PLAIN) return RSV_OK;
+    if (k->packing == PLAIN || k->packing == BASIS_LZ) return RSV_OK;
     uint8_t *bytes = *owned = rsv_alloc(context, k->unpacked, 1);
     if (!bytes) return RSV_ERROR_MEMORY;
     size_t got;
@@ -187,6 +241,56 @@ static rsv_status unpack(
     return got == k->unpacked ? RSV_OK
                               : refuse(k, RSV_ERROR_FORMAT, "its packed texels are damaged");
 }
+
+// ---- blocks -------------------------------------------------------------------------------------
+
+static void decode_uastc_block(
+    const ktx *k, const uint8_t *blocks, uint32_t x, uint32_t y, uint8_t *rgba)
+{
+    uint8_t texel[16][4];
+    const uint8_t *block = blocks + ((size_t)y * ((k->width + 3) / 4) + x) * RSV_UASTC_BLOCK_BYTES;
+    rsv_uastc_decode(block, k->srgb, texel);
+    for (uint32_t i = 0; i < 16; i++) {
+        uint32_t column = 4 * x + i % 4, row = 4 * y + i / 4;
+        if (column >= k->width || row >= k->height) continue;
+        if (k->second == RSV_BASIS_GREEN) texel[i][1] = texel[i][3];
+        memcpy(rgba + 4 * ((size_t)row * k->width + column), texel[i], 4);
+    }
+}
+
+static rsv_status decode_etc1s(rsv_context *context, const ktx *k, uint8_t *rgba)
+{
+    const uint8_t *head = k->file->bytes;
+    uint64_t at = u64(head + 64), size = u64(head + 72);
+    uint32_t levels = u32(head + 40);
+    if (at > k->file->size || size > k->file->size - at)
+        return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
+    const rsv_basis_lz source = { head + at, head + k->at, (size_t)size, (size_t)k->size,
+        levels ? levels : 1, k->width, k->height };
+    rsv_status status = rsv_basis_lz_decode(context, &source, k->second, rgba);
+    return status == RSV_ERROR_FORMAT ? refuse(k, status, "its compressed texels are damaged")
+                                      : status;
+}
+
+/// Replaces blocks by texels. @param owned, texels as for unpack
+static rsv_status decode_blocks(
+    rsv_context *context, const ktx *k, uint8_t **owned, const uint8_t **texels)
+{
+    if (k->encoding == TEXELS) return RSV_OK;
+    rsv_status status = RSV_OK;
+    uint8_t *rgba = rsv_alloc(context, (size_t)k->width * k->height, 4);
+    if (!rgba) return RSV_ERROR_MEMORY;
+    if (k->encoding == ETC1S) status = decode_etc1s(context, k, rgba);
+    for (uint32_t y = 0; k->encoding == UASTC && y < (k->height + 3) / 4; y++)
+        for (uint32_t x = 0; x < (k->width + 3) / 4; x++)
+            decode_uastc_block(k, *texels, x, y, rgba);
+    rsv_free(context, *owned);
+    *owned = rgba;
+    *texels = rgba;
+    return status;
+}
+
+// ---- texels -------------------------------------------------------------------------------------
 
 static float half_to_float(uint32_t bits)
 {
@@ -236,7 +340,7 @@ static void read_texel(const ktx *k, const uint8_t *texel, float rgba[4])
 static bool has_alpha(const ktx *k)
 {
     char from = k->swizzle[3];
-    return from != '1' && !(from == 'a' && k->format->channels < 4);
+    return from != '1' && !(from == 'a' && (k->opaque || k->format->channels < 4));
 }
 
 static rsv_status convert(
@@ -273,6 +377,7 @@ rsv_status rsv_ktx_decode(
     *picture = (rsv_ktx_picture){ 0 };
     rsv_status status = read_header(file, &k);
     if (status == RSV_OK) status = unpack(context, &k, &owned, &texels);
+    if (status == RSV_OK) status = decode_blocks(context, &k, &owned, &texels);
     if (status == RSV_OK) status = convert(context, &k, texels, picture);
     rsv_free(context, owned);
     return status;

@@ -1,5 +1,5 @@
-/// Pictures of KTX 2.0 files: texels of 8 bits, 16 bits or floats, stored plainly or packed by Zstandard or zlib. Files
-/// compressed by Basis Universal or for a graphics card are refused.
+/// Pictures of KTX 2.0 files: texels of 8 bits, 16 bits or floats, and blocks of Basis Universal (ETC1S and UASTC), all
+/// stored plainly or packed as the format allows. Other formats of graphics cards are not supported.
 #ifndef RSV_IMAGE_KTX_H
 #define RSV_IMAGE_KTX_H
 
@@ -15,7 +15,7 @@ typedef struct rsv_ktx_picture {
 
 bool rsv_image_is_ktx(const rsv_image_file *file);
 
-/// RSV_ERROR_FORMAT for damaged files, RSV_ERROR_UNSUPPORTED for compressed texels, arrays, cubes and volumes. Messages
+/// RSV_ERROR_FORMAT for damaged files, RSV_ERROR_UNSUPPORTED for other compressed texels, arrays, cubes and volumes. Messages
 /// name the file. @param picture to be released by rsv_ktx_free
 rsv_status rsv_ktx_decode(
     rsv_context *context, const rsv_image_file *file, rsv_ktx_picture *picture);

@@ -98,7 +98,9 @@ rsv_status rsv_name_file(rsv_status status, const char *path)
 {
     char message[768];
     snprintf(message, sizeof message, "%s", rsv_last_error());
-    return rsv_fail(status, "%s: %s", path, message);
+    // messages say what to do after a semicolon; for broken files that is mostly the same
+    bool advises = strchr(message, ';') || status != RSV_ERROR_FORMAT;
+    return rsv_fail(status, "%s: %s%s", path, message, advises ? "" : "; export it again");
 }
 
 rsv_status rsv_scene_load_with(

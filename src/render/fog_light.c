@@ -94,6 +94,7 @@ static void visit_voxel(void *user, uint32_t voxel, double begin, double end)
     rsv_rgb taken = rgb_scale(rgb_sub(near, far), m->even);
     uint32_t node = (uint32_t)rsv_elements_surface_nodes(s->elements) + voxel;
     add(m, 1, taken, rsv_light_view_scattered(s, node, 0, m->segment->final));
+    if (m->segment->gather) return;
     if (!m->segment->by_order) {
         add(m, 2, taken, rsv_light_view_scattered(s, node, RSV_NONE, false));
         return;
@@ -166,15 +167,24 @@ static rsv_vec3 place_at(const march *m, double distance)
     return v3_mad(m->segment->ray.origin, (float)distance, m->segment->ray.direction);
 }
 
+/// Radiance that is scattered at a distance, per mean radiance around that point. @param density per metre of the
+/// distance
+static rsv_rgb scattered_at(const march *m, double distance, double density)
+{
+    rsv_rgb passed = rsv_fog_transmittance(m->fog, rsv_fog_column(&m->run, distance));
+    double scale = rsv_fog_density(&m->run, distance) / density;
+    if (!(scale < INFINITY)) return rgb_gray(0);
+    rsv_rgb taken = rgb_scale(rgb_mul(passed, m->fog->extinction), (float)scale);
+    return rgb_mul(taken, m->fog->albedo);
+}
+
 /// Adds light of one source that is scattered at a point. @param density per metre, and of everything else that was
 /// drawn
 static void add_scattered(const march *m, double distance, rsv_rgb fluence, double density)
 {
-    rsv_rgb passed = rsv_fog_transmittance(m->fog, rsv_fog_column(&m->run, distance));
-    double scale = rsv_fog_density(&m->run, distance) / density;
-    if (!(scale < INFINITY) || rgb_is_black(fluence)) return;
-    rsv_rgb taken = rgb_scale(rgb_mul(passed, m->fog->extinction), (float)scale);
-    add(m, 1, taken, scatter(m->light, fluence));
+    if (rgb_is_black(fluence)) return;
+    rsv_rgb weight = scattered_at(m, distance, density);
+    add(m, 1, weight, rgb_scale(fluence, 1 / (4 * RSV_PI)));
 }
 
 /// Adds a sample, weighed by the balance heuristic.
@@ -249,18 +259,23 @@ static void add_turned(const march *m, rsv_rgb weight, const rsv_ray *ray, rsv_r
 /// includes light straight from sources, which mode final already has. @param density per metre of the distance
 static void add_uneven(const march *m, double distance, double density, rsv_random *random)
 {
-    const rsv_fog *fog = m->fog;
-    rsv_rgb passed = rsv_fog_transmittance(fog, rsv_fog_column(&m->run, distance));
-    double scale = (1 - (double)m->even) * rsv_fog_density(&m->run, distance) / density;
-    if (!(scale < INFINITY)) return;
-    rsv_rgb weight = rgb_mul(rgb_mul(passed, fog->extinction), fog->albedo);
-    weight = rgb_scale(weight, (float)scale);
+    rsv_rgb weight = rgb_scale(scattered_at(m, distance, density), 1 - m->even);
     rsv_vec3 place = place_at(m, distance), forward = m->segment->ray.direction;
     const rsv_air_receiver receiver = { .point = place, .forward = forward, .uneven = true };
     if (!m->segment->final)
         add(m, 1, rgb_scale(weight, 1 / (4 * RSV_PI)), sample_fluence(m->light, &receiver, random));
-    rsv_ray ray = { place, rsv_fog_draw_turn(fog->anisotropy, forward, random), INFINITY };
+    rsv_ray ray = { place, rsv_fog_draw_turn(m->fog->anisotropy, forward, random), INFINITY };
     add_turned(m, weight, &ray, random);
+}
+
+/// Indirect light that the isotropic part of the phase function turns into the path at a distance.
+/// @param density per metre of the distance
+static void gather_even(const march *m, double distance, double density)
+{
+    rsv_random random = rsv_random_from(m->segment->seed, 2, 0xf09u);
+    rsv_rgb weight = rgb_scale(scattered_at(m, distance, density), m->even);
+    m->segment->gather(
+        m->user, place_at(m, distance), rgb_mul(m->segment->throughput, weight), &random);
 }
 
 static void add_sampled(march *m)
@@ -275,6 +290,7 @@ static void add_sampled(march *m)
         rsv_random random = rsv_random_from(m->segment->seed, 1, 0xf09u);
         add_uneven(m, distance, density, &random);
     }
+    if (m->segment->gather) gather_even(m, distance, density);
     if (!m->segment->final) return;
     const rsv_air_receiver receiver = { .point = place_at(m, distance),
         .forward = m->segment->ray.direction };
@@ -297,6 +313,6 @@ rsv_rgb rsv_fog_march(
     const double range[2] = { m.run.begin, m.run.end };
     if (s->elements->voxels)
         rsv_voxels_walk(s->elements->voxels, s->tracer, ray, range, visit_voxel, &m);
-    if (segment->final || m.fog->anisotropy != 0) add_sampled(&m);
+    if (segment->final || segment->gather || m.fog->anisotropy != 0) add_sampled(&m);
     return passed;
 }

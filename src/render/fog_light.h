@@ -23,6 +23,10 @@ rsv_rgb rsv_fog_radiance_at(const rsv_light_view *light, rsv_vec3 place, rsv_ran
 /// Takes light of one order: 0 = emitted, n = scattered n times since, the last one by the fog.
 typedef void (*rsv_fog_sink)(void *user, uint32_t order, rsv_rgb radiance);
 
+/// Takes a point in the fog where indirect light is to be gathered.
+/// @param weight radiance towards the start of the segment, per radiance averaged over all directions around the point
+typedef void (*rsv_fog_gather)(void *user, rsv_vec3 place, rsv_rgb weight, rsv_random *random);
+
 /// A segment of a camera path.
 typedef struct rsv_fog_segment {
     rsv_ray ray;        ///< of unit direction
@@ -31,10 +35,13 @@ typedef struct rsv_fog_segment {
     uint32_t seed;      ///< for further ones
     bool final;         ///< light scattered once is sampled; else it is looked up
     bool by_order; ///< stored light is passed on order by order; otherwise all of it as order 2
+    rsv_fog_gather
+        gather; ///< gets one sampled point, in place of the stored indirect light; NULL = look it up
 } rsv_fog_segment;
 
 /// Passes on the light that the fog scatters and emits along a segment towards its start. Voxels are integrated in
 /// closed form.
+/// @param user of sink and of segment->gather
 /// @return transmittance of the segment
 rsv_rgb rsv_fog_march(
     const rsv_light_view *light, const rsv_fog_segment *segment, rsv_fog_sink sink, void *user);

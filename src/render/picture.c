@@ -122,8 +122,8 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
             RSV_ERROR_ARGUMENT, "render: %u samples per pixel are not possible", desc->samples);
     if ((uint64_t)desc->samples * desc->gather_rays > 1u << 30)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "render: %u samples of %u gather rays are too many for a pixel", desc->samples,
-            desc->gather_rays);
+            "render: %u samples of %u gather rays are too many for a pixel: at most 2^30 rays; lower either",
+            desc->samples, desc->gather_rays);
     if (!(desc->noise >= 0 && desc->noise <= 1))
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "render: a noise of %g is not in 0 .. 1", (double)desc->noise);

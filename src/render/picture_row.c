@@ -60,6 +60,11 @@ static void add_fog_light(void *user, uint32_t order, rsv_rgb radiance)
     rsv_picture_add_light(r, r->column, order < last ? order : last, radiance);
 }
 
+static void gather_in_fog(void *user, rsv_vec3 place, rsv_rgb weight, rsv_random *random)
+{
+    rsv_picture_gather_in_fog(user, place, weight, random);
+}
+
 /// Numbers of a segment: stratified over the pixel's samples for the first one.
 static void draw_for_fog(const rsv_picture_row *r, bool first, uint32_t trail, float u[8])
 {
@@ -77,11 +82,13 @@ static rsv_rgb march(
     rsv_picture_row *r, const rsv_ray *ray, rsv_rgb throughput, uint32_t trail, bool first)
 {
     const rsv_picture_job *job = r->job;
+    bool final = job->desc->mode == RSV_RENDER_FINAL;
     rsv_fog_segment segment = { .ray = *ray,
         .throughput = throughput,
         .seed = rsv_hash2(trail, r->sample.index),
-        .final = job->desc->mode == RSV_RENDER_FINAL,
-        .by_order = job->layer_count > 1 };
+        .final = final,
+        .by_order = job->layer_count > 1,
+        .gather = final && job->desc->gather_rays ? gather_in_fog : NULL };
     draw_for_fog(r, first, trail, segment.u);
     return rsv_fog_march(job->solution, &segment, add_fog_light, r);
 }

@@ -109,7 +109,6 @@ static void add_gathered_in_fog(
     rsv_rgb direct = rgb_add(rsv_light_view_scattered(s, node, 0, true),
         rsv_fog_scattered_sample(s, gather->place, random));
     weight = rgb_scale(weight, RSV_PI); // of radiance, not of irradiance
-    rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, rsv_fog_glow(s->scene.view->fog)));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
     if (r->job->layer_count == 1) {
         rsv_rgb scattered = rsv_light_view_scattered(s, node, RSV_NONE, true);
@@ -134,6 +133,16 @@ static rsv_gather follow_gather_ray(
     return rsv_specular_gather(&s->scene, first, random, no_emission, NULL);
 }
 
+/// Follows one gather ray, and adds what it finds. @param weight radiance at the camera per irradiance
+static void gather_along(rsv_picture_row *r, const rsv_ray *ray, const rsv_medium *medium,
+    rsv_rgb weight, rsv_random *random)
+{
+    rsv_gather gather = follow_gather_ray(r->job->solution, ray, medium, random);
+    if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, weight, random);
+    if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, weight, random);
+    // emission on the way, also of fog and by way of fog, is in the stored light of order 0
+}
+
 static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, rsv_rgb weight)
 {
     const rsv_light_view *s = r->job->solution;
@@ -153,13 +162,21 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
         rsv_ray ray = { rsv_receiver_start(&receiver, direction), direction, INFINITY };
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         if (v3_dot(direction, point->horizon) <= 0) continue;
-        rsv_gather gather = follow_gather_ray(s, &ray, &path->medium, &random);
         rsv_rgb entered = rgb_scale(rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z)), 1 / (float)rays);
-        if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, entered, &random);
-        if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, entered, &random);
-        // of sources that fog has turned into the ray: only this was requested
-        rsv_picture_add_light(
-            r, r->column, 2, rgb_scale(rgb_mul(entered, gather.emission), RSV_PI));
+        gather_along(r, &ray, &path->medium, entered, &random);
+    }
+}
+
+void rsv_picture_gather_in_fog(
+    rsv_picture_row *r, rsv_vec3 place, rsv_rgb weight, rsv_random *random)
+{
+    const rsv_medium air = { .depth = 0 };
+    uint32_t rays = r->job->desc->gather_rays;
+    weight = rgb_scale(weight, 1 / (RSV_PI * (float)rays));
+    for (uint32_t k = 0; k < rays; k++) {
+        float u = rsv_random_float(random), v = rsv_random_float(random);
+        rsv_ray ray = { place, rsv_square_to_sphere(u, v), INFINITY };
+        gather_along(r, &ray, &air, weight, random);
     }
 }
 

@@ -110,21 +110,27 @@ RSV_SHARED rsv_rough_departure rsv_rough_depart(
     return departure;
 }
 
+/// Of the times that a source would be aimed at from within a body, those that one is: the body's own surface is nearly
+/// always in the way.
+#define AIMED_WITHIN 0.25f
+
 RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv_rough_side *side,
     const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_local_lights local;
     rsv_light_sample light;
     rsv_next_event event;
+    float chance = side->medium.depth ? AIMED_WITHIN : 1;
+    if (u[0] >= chance) return rgb_gray(0);
     rsv_lights_about(lights, side->receiver.point.position, side->receiver.point.normal, &local);
-    if (!rsv_local_lights_sample(&local, u[0], u[1], u[2], &light)) return rgb_gray(0);
+    if (!rsv_local_lights_sample(&local, u[0] / chance, u[1], u[2], &light)) return rgb_gray(0);
     if (shot && !light.from_sky) return rgb_gray(0);
     rsv_response response =
         rsv_rough_aimed_response(s, light.direction, light.pdf_solid_angle, u + 1);
     if (rgb_is_black(response.share)) return rgb_gray(0);
     rsv_next_event_clear(&event);
     rsv_next_event_at_place(&side->receiver, &side->entrance, lights, &light, response, &event);
-    return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
+    return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event) / chance);
 }
 
 RSV_INLINE rsv_rgb rsv_rough_punctual_light(const rsv_rough_surface *s, const rsv_rough_side *side,

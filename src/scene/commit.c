@@ -158,7 +158,8 @@ rsv_status rsv_scene_finish(rsv_scene *scene)
 {
     rsv_status status;
     if (!scene->triangle_count)
-        return rsv_fail(RSV_ERROR_SCENE, "the scene has no triangles: there is nothing to light");
+        return rsv_fail(RSV_ERROR_SCENE,
+            "the scene has no triangles, so there is nothing to light; add a mesh");
     bounding_box bounds = find_bounds(scene);
     RSV_TRY(check_size(scene, bounds));
     RSV_TRY(find_varying_materials(scene));

@@ -151,12 +151,12 @@ static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
         rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: %s, as far as single precision can tell (spectral radius %.6f): "
-        "E = G K E has solutions of its own; the light is %s them, so that %s; %s",
-        cause.what, a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
-        compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
-                             : "there are many answers",
-        cause.advice);
+        "solve: %s (spectral radius %.6f, in single precision), so %s: E = G K E has solutions of "
+        "its own, and the light is %s them; %s",
+        cause.what, a->radius.power,
+        compatibility > 1e-6 ? "light never dies out and there is no bounded answer"
+                             : "there is more than one answer",
+        compatibility > 1e-6 ? "incompatible with" : "compatible with", cause.advice);
 }
 
 /// Closes pockets and looks again whether all light dies out.

@@ -1,14 +1,19 @@
 #include "world.h"
 
 #include "../core/references.h"
+#include "../elements/cell_visibility.h"
 #include "../scene/scene.h"
 #include "../scene/variant.h"
 #include "../trace/tracer_update.h"
 
 void rsv_world_find_bsdfs(rsv_world *w)
 {
-    for (uint32_t m = 0; m < w->scene.view->material_count; m++)
+    w->scene.no_insides = true;
+    for (uint32_t m = 0; m < w->scene.view->material_count; m++) {
+        const rsv_bsdf *bsdf = &w->bsdf[m];
         w->bsdf[m] = rsv_surface_common_bsdf(w->scene.view, m);
+        w->scene.no_insides = w->scene.no_insides && !rsv_bounds_body(bsdf);
+    }
 }
 
 static rsv_status begin(rsv_context *context, const rsv_scene *scene, rsv_world **world)

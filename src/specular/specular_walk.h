@@ -16,8 +16,9 @@ typedef struct rsv_transport_scene {
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
-    const struct rsv_fog_lights
-        *fog_lights; ///< lights for anisotropic fog; NULL = none
+    /// No opaque surface has just one side, so no place counts as inside a body. False = not known
+    bool no_insides;
+    const struct rsv_fog_lights *fog_lights;   ///< lights for anisotropic fog; NULL = none
     const struct rsv_known_cells *known_cells; ///< of an earlier version; NULL = none
     const struct rsv_update *update;           ///< data reused from before an edit; NULL = none
 } rsv_transport_scene;

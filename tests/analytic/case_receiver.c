@@ -11,7 +11,7 @@ bool case_receiver_needed(const case_scene *scene)
 
 double case_receiver_area(const case_scene *scene) { return case_surface_area(&scene->receiver); }
 
-/// A plate does not run on behind a mirror that stands on it.
+/// A plate ends at a mirror that stands on it.
 static void clip_to_mirrors(const case_scene *scene, rsv_vec3 *low)
 {
     for (int i = 0; i < scene->surface_count; i++) {

@@ -21,8 +21,8 @@
 /// Two readings in 400 of a right solution lie beyond this many standard errors: Student's t for the 31 degrees of
 /// freedom of one reading, and for the 4 of several opinions.
 static const double standard_errors[2] = { 3, 5.5 };
-/// Positions and sums are float, probes are lifted off their surface, and paths that survive
-/// Russian roulette too seldom to turn up in the sample do not turn up in its error either.
+/// The errors of single precision: positions and sums are float, and probes are lifted off their surface. Paths that
+/// rarely survive Russian roulette may be missing from the sample, and then from its standard error too.
 #define ROUNDING 1e-4
 /// Facets of 64-gons and of 48 x 96 spheres that have the true area: normals are off by up to 0.033
 /// rad, of which the square counts, and distances by 5e-4 of the radius; albedos repeat it.

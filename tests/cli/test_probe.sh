@@ -26,6 +26,17 @@ refuses 2 'solves nothing' probe furnace --points points.csv -o "$out/a.csv" --m
 refuses 1 'would overwrite' probe furnace --points points.csv -o points.csv "${draft[@]}"
 [[ $(wc -l <points.csv) == 4 ]] || complain "points were overwritten"
 
+# grids are points of their own, which can be read back
+succeeds probe furnace --grid 0.1 --height 0.4 -o "$out/grid.csv" "${draft[@]}"
+(($(wc -l <"$out/grid.csv") > 4)) || complain "a grid has several points"
+succeeds probe furnace --points "$out/grid.csv" -o "$out/same.csv" "${draft[@]}"
+cmp -s "$out/grid.csv" "$out/same.csv" || complain "a grid's points, read from a file, have the same readings"
+rm -f "$out"/*
+refuses 2 'leave out one' probe furnace --points points.csv --grid 0.1 -o "$out/a.csv"
+refuses 2 '--grid M is missing' probe furnace -o "$out/a.csv"
+refuses 2 'requires --grid' probe furnace --points points.csv --height 1 -o "$out/a.csv"
+refuses 1 'no floor' probe cornell-blocks --grid 0.1 --height 50 -o "$out/a.csv" "${draft[@]}"
+
 # refuses_line NUMBER PATTERN LINE...
 refuses_line() {
     local number=$1 pattern=$2

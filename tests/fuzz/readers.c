@@ -60,7 +60,7 @@ static char *find_checksum(char *bytes, size_t size)
     return (size_t)(bytes + size - digits) >= RSV_SHA256_DIGITS ? digits : NULL;
 }
 
-/// Puts in the checksum that belongs to the content: else any change would be found by it, and nothing else be tried.
+/// Corrects the checksum. Otherwise it would reveal every change, and the code behind it would not be tested.
 static void mend_checksum(char *bytes, size_t size)
 {
     char *place = find_checksum(bytes, size), digits[RSV_SHA256_DIGITS + 1];
@@ -173,7 +173,7 @@ static bool is_kept_file(const char *extension)
            strcmp(extension, ".rows") == 0;
 }
 
-/// A copy, as it is mended.
+/// A copy, because its checksum is corrected.
 static void read_kept_file(const char *extension, const uint8_t *data, size_t size)
 {
     uint8_t *bytes = malloc(size + 1);

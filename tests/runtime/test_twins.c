@@ -100,7 +100,7 @@ typedef struct random_operator {
     float hanging_weight[HANGING * 4];
 } random_operator;
 
-/// Rows whose sums are 1, tinted entries with weight 1 among them; the last elements hang.
+/// Rows that sum to 1, some of them with tinted entries of weight 1. The last elements are hanging.
 static void fill(random_operator *o, float albedo)
 {
     for (uint32_t row = 0; row <= ELEMENTS; row++) {
@@ -193,7 +193,7 @@ static void damaged_operators_are_refused(void)
     check(check_operator(&o, entries) == RSV_RT_OK, "albedo of what entered");
 }
 
-/// Elements may hang from those that came before them, and from nothing else.
+/// A hanging element may only depend on elements before it.
 static void parents_come_first(void)
 {
     static random_operator o;
@@ -214,7 +214,8 @@ static void parents_come_first(void)
     check(check_operator(&o, entries) == RSV_RT_ORDER, "an element that hangs twice");
 }
 
-/// One NaN or infinity of the engine's, for one update, is no light; and it does not pass for rest.
+/// If the engine passes NaN or infinity for one update, that counts as no light, and the solver does not report that it
+/// has converged.
 static void what_is_not_finite_does_not_stay(void)
 {
     static random_operator o;

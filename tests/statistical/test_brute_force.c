@@ -142,7 +142,7 @@ static void look(const world *w, const rsv_light *solution, uint32_t samples,
     }
 }
 
-/// @param tolerated relative difference besides noise
+/// @param tolerated relative difference in addition to noise
 static uint32_t compare(const char *what, uint32_t order, const block_sum *found,
     const block_sum *expected, double tolerated)
 {

@@ -109,8 +109,8 @@ static double excess(double chi_square, int bins)
     return (cbrt(chi_square / bins) - (1 - spread)) / sqrt(spread);
 }
 
-/// Densities come from tables that are good to 0.5 % at grazing angles, which the draws, true to the
-/// microsurface, resolve there.
+/// At grazing angles, densities come from tables with an error of 0.5 %. Samples follow the microsurface exactly, so
+/// the test would notice that error.
 #define GRAZING 0.05f
 
 /// Bins with few expected draws are merged.
@@ -287,7 +287,8 @@ static rsv_material under_layers(rsv_material material, int layers, float roughn
     return material;
 }
 
-/// Coat and sheen over every base that a file can put below them: light that the base sends up comes out in the end.
+/// Coat and sheen over every base that a file can combine them with: all light that leaves the base upwards gets out in
+/// the end.
 static void layers_are_lossless_over_any_base(void **state)
 {
     (void)state;
@@ -401,7 +402,7 @@ static void check_tilted_coat(rsv_material material, float tilt, float cos_o)
     check_coat_draws(&bsdf, wo, &found);
 }
 
-/// White bases in white surroundings stay white but for what the coat itself sends below the surface.
+/// White bases in white surroundings stay white, except for the light that the coat itself sends below the surface.
 static void tilted_coats_lose_only_what_they_send_below(void **state)
 {
     (void)state;

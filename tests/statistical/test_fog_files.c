@@ -130,7 +130,7 @@ static rsv_rgb see_frames(const rsv_light *light, const rsv_camera *camera, uint
     return mean_of(pixel, sizeof pixel / sizeof *pixel);
 }
 
-/// Without emission: of a lamp that covers few pixels, samples say little.
+/// Without emission, because a lamp that covers few pixels is too noisy.
 static rsv_rgb see_operator(const rsv_light *light, const rsv_camera *camera)
 {
     rsv_render_desc desc = rsv_default_render_desc();

@@ -334,7 +334,7 @@ static estimate wall_mean(const world *w, uint32_t rounds)
 
 static void add_lamps(world *w, int count)
 {
-    // weak: close to a point, light scattered more than once has no variance
+    // weak, because close to a point light the variance of light that is scattered more than once is infinite
     for (int k = 0; k < count; k++) {
         float x = 1.2f * (((float)(k % 5) + 0.5f) / 5 - 0.5f), y = 0.1f * (float)(k % 7) - 0.3f,
               z = 1.2f * (((float)(k / 5 % 5) + 0.5f) / 5 - 0.5f);
@@ -397,7 +397,7 @@ static void bodies_and_holes_in_fog_lose_no_light(void **state)
     world_end(w);
 }
 
-/// Of the rectangle between an axis and (x, y) at distance 1.
+/// Solid angle of the rectangle between an axis and (x, y) at distance 1.
 static double solid_angle_of(double x, double y) { return atan(x * y / sqrt(1 + x * x + y * y)); }
 
 /// Scattered fluence where one face of a cube around the eye looks: radiance times solid angle.

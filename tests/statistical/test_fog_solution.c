@@ -56,19 +56,14 @@ static void read_probe(
             (double)channel(reading.standard_error, k) };
 }
 
-/// Mean radiance of a picture; its pixels are independent. @param layer 0 = all orders, 2 = light scattered once
-static void see(const rsv_light *light, rsv_camera camera, rsv_render_mode mode, uint32_t samples,
-    uint32_t layer, estimate out[3])
+enum { PICTURE_SIDE = 8, PIXELS = PICTURE_SIDE * PICTURE_SIDE };
+
+/// Mean radiance of a layer of a picture of PICTURE_SIDE x PICTURE_SIDE pixels, which are independent.
+static void average_picture(
+    const rsv_light *light, const rsv_render_desc *desc, uint32_t layer, estimate out[3])
 {
-    enum { SIDE = 8, PIXELS = SIDE * SIDE };
-    rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
-    desc.mode = mode;
-    desc.width = desc.height = SIDE;
-    desc.samples = samples;
-    desc.viewpoint = &camera;
-    desc.layers = layer > 0;
-    assert_int_equal(rsv_render(light, &desc, &image), RSV_OK);
+    assert_int_equal(rsv_render(light, desc, &image), RSV_OK);
     const rsv_rgb *pixel = rsv_image_pixels(image, layer);
     for (int k = 0; k < 3; k++) {
         double sum = 0, squares = 0;
@@ -81,6 +76,25 @@ static void see(const rsv_light *light, rsv_camera camera, rsv_render_mode mode,
         out[k] = (estimate){ mean, sqrt(spread / (PIXELS - 1)) };
     }
     rsv_image_destroy(image);
+}
+
+static rsv_render_desc picture_of(const rsv_camera *camera, rsv_render_mode mode, uint32_t samples)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    desc.mode = mode;
+    desc.width = desc.height = PICTURE_SIDE;
+    desc.samples = samples;
+    desc.viewpoint = camera;
+    return desc;
+}
+
+/// @param layer 0 = all orders, 2 = light scattered once
+static void see(const rsv_light *light, rsv_camera camera, rsv_render_mode mode, uint32_t samples,
+    uint32_t layer, estimate out[3])
+{
+    rsv_render_desc desc = picture_of(&camera, mode, samples);
+    desc.layers = layer > 0;
+    average_picture(light, &desc, layer, out);
 }
 
 /// Looks along parallel rays, so that no single voxel counts for much.
@@ -157,7 +171,7 @@ static void lamps_beside_a_line_light_it_once(void **state)
     const rsv_rgb sigma = { 0.05f, 0.4f, 2 };
     const float h = 0.5f, foot = 2;
     for (int spot = 0; spot < 2; spot++) {
-        // orders of uneven fog are not told apart: all but the first is to be faint
+        // in heterogeneous fog, orders after the first are not separated, so they must be faint
         const float g = spot ? 0 : 0.4f, albedo = spot ? 0.8f : 1e-3f;
         world *w = world_begin(2);
         // what ends the line
@@ -275,6 +289,11 @@ static void look_into_furnace(const world *w)
             check(name_of(both_modes[mode]), seen[k], 1);
     }
     estimate read[3];
+    rsv_render_desc gathered = picture_of(&eye, RSV_RENDER_FINAL, 256);
+    gathered.gather_rays = 1;
+    average_picture(light, &gathered, 0, read);
+    for (int k = 0; k < 3; k++)
+        check("gathered", read[k], 1);
     read_probe(light, v3(0.2f, 0.1f, 0), v3(0, 1, 0), 4096, read);
     for (int k = 0; k < 3; k++)
         check("probe in a furnace", read[k], M_PI);
@@ -402,7 +421,8 @@ static void fog_loses_no_light_of_mirrors(void **state)
     }
 }
 
-/// A wall parts the light from the dark, however large voxels are. Surfaces are black: all of the light is in the air.
+/// A wall separates the lit part from the dark part, however large voxels are. Surfaces are black, so all light is in
+/// the air.
 static void no_light_leaks_through_walls(void **state)
 {
     (void)state;

@@ -49,7 +49,7 @@ static double mean_of(const rsv_image *image)
     return sum / (SIDE * SIDE);
 }
 
-/// Ways to a picture: the modes of rsv_render, then frames.
+/// Ways to make a picture: the modes of rsv_render, then frames.
 typedef enum way { REFERENCE, FINAL, OPERATOR, FRAMES, GLOSSY_FRAMES, WAYS } way;
 
 static rsv_status render(const world *w, const rsv_light *solution, way by, rsv_image **image)

@@ -117,7 +117,7 @@ enum { trial_count = sizeof trials / sizeof *trials };
 
 // ---- readings -----------------------------------------------------------------------------------
 
-/// On what diffuse surfaces are seen from places in the air; every fourth in the air itself.
+/// Places on the diffuse surfaces that are seen from places in the air; every fourth place is in the air itself.
 static void place_probes(const world *w, rsv_probe *probe)
 {
     const rsv_scene_view *view = w->transport.view;
@@ -220,7 +220,7 @@ static tally try_seeds(const trial *t, int seeds, uint32_t paths, double scale)
     return sum;
 }
 
-/// Light that comes by way of photons alone: their noise is the reading's.
+/// Light that only photons find, so that the reading has exactly their noise.
 static void noise_of_photons_is_stated(void **state)
 {
     (void)state;

@@ -96,7 +96,7 @@ static void turn(room *r)
     }
 }
 
-/// Radiances and irradiances stay as they are if points shine as much more as their surroundings are farther, squared.
+/// Radiance and irradiance do not change if the intensities of point lights grow with the square of the scale.
 static void scale(room *r)
 {
     const float by = 3.7f;

@@ -587,8 +587,8 @@ static double excess(moments found, moments expected, double tolerated)
     return difference > 0 ? difference / fmax(error, 1e-9) : 0;
 }
 
-/// The path tracer's pictures of a room. Where light comes by rare paths, few of them mostly miss what brings the mean, and
-/// show little noise, too: what they find wrong is looked at again with many.
+/// The path tracer's pictures of a room. If rare paths carry much of the light, pictures with few samples usually miss
+/// them, and then their noise is underestimated too. Deviations are therefore checked again with many samples.
 typedef struct judge {
     const rsv_scene *scene;
     twins few, many;

@@ -300,7 +300,7 @@ static void rectangular_light_matches_lamberts_formula(void **state)
     finish(f);
 }
 
-/// Black walls aim at no light, so nothing that their paths find may be weighed against aiming.
+/// On black walls, no light is sampled, so light that paths hit there must keep its full weight.
 static void black_rooms_show_their_lamp_alone(void **state)
 {
     (void)state;
@@ -342,7 +342,7 @@ static void mirror_adds_the_clipped_image_of_the_light(void **state)
     mirror.roughness = 0;
     uint32_t lamp = add_lambert(f, 0, 10);
     add_quad(f, lamp, v3(1, -1, 2), v3(1, 1, 2), v3(2, 1, 2), v3(2, -1, 2));
-    // Schlick's rise towards grazing angles is no part of the case; here it adds below 0.05 %
+    // In the case, reflectance does not rise towards grazing angles (Schlick); here this adds below 0.05 %
     add_quad(
         f, add_material(f, &mirror), v3(0, -9, 0), v3(0, 9, 0), v3(0, 9, 1.2f), v3(0, -9, 1.2f));
     commit(f);

@@ -244,7 +244,7 @@ static void a_ramp_follows_beer(void **state)
 
 // ---- equilibrium and balance ----------------------------------------------------------------------
 
-/// In a closed room whose walls all show radiance 1, fog changes nothing, however dense it is where.
+/// In a closed room whose walls all show radiance 1, fog changes nothing, whatever its density.
 static void fog_is_invisible_in_a_furnace(void **state)
 {
     (void)state;

@@ -79,7 +79,7 @@ static inline double power_at_walls(const rsv_light *light)
     return power;
 }
 
-/// Looks along one ray, so to speak: a millimetre wide.
+/// A picture one millimetre wide: practically a single ray.
 static inline rsv_camera needle(rsv_vec3 from, rsv_vec3 towards)
 {
     rsv_camera camera = rsv_camera_look_at("needle", from, towards, 0, 1);

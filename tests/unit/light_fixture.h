@@ -264,8 +264,11 @@ static inline void world_commit(world *w)
     }
     assert_int_equal(rsv_tracer_create(w->scene, &w->tracer), RSV_OK);
     assert_int_equal(rsv_lights_create(w->scene, w->bsdf, &w->lights), RSV_OK);
-    w->transport = (rsv_transport_scene){ w->scene, view, w->tracer, w->bsdf,
-        rsv_media_of(view, w->tracer, w->bsdf), NULL, NULL, NULL };
+    w->transport = (rsv_transport_scene){ .scene = w->scene,
+        .view = view,
+        .tracer = w->tracer,
+        .bsdf = w->bsdf,
+        .media = rsv_media_of(view, w->tracer, w->bsdf) };
 }
 
 static inline void assert_close(double value, double expected, double tolerance)

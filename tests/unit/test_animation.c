@@ -214,7 +214,7 @@ static void weights_of_morph_targets_move(void **state)
     "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\",\"intensity\":3}]}},"
 #define LENS "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}],"
 
-/// They hang on nodes, and go where those go; below a node that moves, too.
+/// They are attached to nodes and move with them, also below a node that moves.
 static void lights_and_cameras_move(void **state)
 {
     const float time[2] = { 0, 1 }, go[6] = { 0, 0, 0, 4, 8, 0 };

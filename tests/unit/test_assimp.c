@@ -1,4 +1,4 @@
-/// OBJ, PLY, FBX, COLLADA and STL files are read as intended, or refused with one line of error.
+/// OBJ, PLY, FBX, COLLADA and STL files are read as intended, or rejected with one line of error.
 #include "resolvent/io.h"
 #include "scene/smooth_normals.h"
 #include "unit/scene_fixture.h"

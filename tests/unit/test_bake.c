@@ -18,7 +18,7 @@ typedef struct judgement {
 
 static float channel(rsv_rgb c, int k) { return k == 0 ? c.r : k == 1 ? c.g : c.b; }
 
-/// Irradiance for a normal m, reconstructed as docs/bake.md describes for shaders.
+/// Irradiance for a normal m, reconstructed as docs/bake-reference.md describes for shaders.
 static float reconstruct(float e, const rsv_rgb v[3], rsv_vec3 m, int c)
 {
     float along = m.x * channel(v[0], c) + m.y * channel(v[1], c) + m.z * channel(v[2], c);

@@ -27,7 +27,7 @@ typedef struct values {
     size_t count, places;
 } values;
 
-/// The values that a bake says its error by.
+/// The values from which a bake reports its error.
 static void take_judged(const rsv_bake_judge *judge, values *v)
 {
     v->count = v->places = 0;
@@ -176,7 +176,7 @@ static void bakes_do_not_depend_on_threads(void **state)
 
 // ---- many lamps -----------------------------------------------------------------------------------
 
-/// More than each get as many photons as the whole, over a floor that reflects them.
+/// More lamps than get their full number of photons each, over a floor that reflects them.
 #define LAMPS 20
 
 static void add_lamps(world *w, char name[LAMPS][24])
@@ -258,7 +258,7 @@ static world *two_lamps(void)
     return w;
 }
 
-/// A part by its share of the rays is that of all rays, up to noise in penumbrae.
+/// A lamp with only its share of the rays gives the light of one with all rays, up to noise in penumbrae.
 static void weak_lamps_get_fewer_rays_and_the_same_light(void **state)
 {
     (void)state;

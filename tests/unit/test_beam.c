@@ -251,7 +251,7 @@ static void a_speck_at_the_corner_of_a_tile_is_met(void **state)
     world_end(w);
 }
 
-/// A wall that stands twice in the scene, in other words of two materials.
+/// A wall that is in the scene twice, with two materials.
 static void of_two_walls_in_one_place_the_tracers_is_met(void **state)
 {
     (void)state;

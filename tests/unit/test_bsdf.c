@@ -421,7 +421,7 @@ static void specular_lobes_drawn_alone_carry_their_share(void **state)
             material.base_color = rgb_gray(0);
             bsdf = make_bsdf(&material);
             mean_specular_weights(&bsdf, wo, &alone, &among);
-            // that of draws among the others is by rejection: 1e-3 at 2^15 of them
+            // samples among the others are drawn by rejection: 1e-3 with 2^15 of them
             assert_float_equal(alone, among, 4e-3);
         }
 }

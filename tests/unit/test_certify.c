@@ -208,7 +208,7 @@ static void a_known_error_of_a_room_is_found(void **state)
     scale_solution(s, 1.2f);
     rsv_certificate after = certify(s, 1024, 2);
     double known = 0.2 * before.irradiance_rms;
-    // the solution's own error is another: the two add up somehow
+    // the solution has an error of its own, which adds to the known one
     assert_true(fabs(after.error_estimate_rms - known) < 0.05 * known + before.error_estimate_rms);
     assert_true(after.error_bound_rms > known - before.error_bound_rms);
     assert_true(
@@ -303,8 +303,8 @@ static void estimates_fall_as_errors_do(void **state)
     }
 }
 
-/// A room that absorbs little reflects each residual many times: noise that all points share is most of what there is
-/// to know. The truth is another certificate, of many points.
+/// A room that absorbs little reflects each residual many times, so most of the uncertainty is noise that all points
+/// share. The truth is another certificate with many points.
 static void intervals_hold_where_little_is_absorbed(void **state)
 {
     (void)state;
@@ -394,9 +394,9 @@ static world *create_room_with_caustic(void)
     return w;
 }
 
-/// Photons that the solution knows nothing of tell by how much its caustics are wrong. With an error e of its own and k times
-/// the caustics c, the square is |e|^2 + 2 (k - 1) e.c + (k - 1)^2 |c|^2: e, which is largest where c is, cancels in the
-/// second difference.
+/// Photons that are independent of the solution show the error of its caustics. With an error e of its own and k times
+/// the caustics c, the square is |e|^2 + 2 (k - 1) e.c + (k - 1)^2 |c|^2: e, which is largest where c is, cancels in
+/// the second difference.
 static void wrong_caustics_of_a_point_light_are_found(void **state)
 {
     (void)state;
@@ -419,7 +419,7 @@ static void wrong_caustics_of_a_point_light_are_found(void **state)
     world_end(w);
 }
 
-/// What scaled caustics add to a goal's reading and to what a picture shows is known: both photons and rays say it.
+/// Scaling the caustics changes a goal's reading and a picture by a known amount, which photons and rays both find.
 static void wrong_caustics_of_a_picture_are_found(void **state)
 {
     (void)state;
@@ -546,7 +546,8 @@ static void points_within_bodies_count_at_no_quality(void **state)
     world_end(w);
 }
 
-/// What rays see where a pane of glass lies on a floor is the floor: the light of the pane's sides there is nobody's.
+/// Where a pane of glass lies on a floor, rays see the floor. The sides of the pane are not seen there, so their light
+/// must not count.
 static void points_behind_other_faces_do_not_count(void **state)
 {
     (void)state;
@@ -784,7 +785,7 @@ static void refinement_reaches_its_target(void **state)
     world_end(w);
 }
 
-/// Most of the error is at frames that touch their walls: refinement does not run away there.
+/// Most of the error is at frames that touch their walls: refinement must not go on there without end.
 static void a_gallery_reaches_its_target(void **state)
 {
     (void)state;
@@ -870,7 +871,7 @@ static void unusable_targets_are_refused(void **state)
     world_end(w);
 }
 
-// ---- what else is promised ----------------------------------------------------------------------
+// ---- other guarantees ----------------------------------------------------------------------
 
 static void direct_light_left_to_the_renderer_counts_as_exact(void **state)
 {
@@ -916,7 +917,7 @@ static void threads_change_nothing(void **state)
     assert_true(c[0].error_estimate_rms > 0);
 }
 
-/// A tile of the floor is told a lie: there the picture is bright, elsewhere it is not.
+/// A tile of the floor gets a wrong value: the heat map is bright there and nowhere else.
 static void the_picture_shows_where_the_error_is(void **state)
 {
     (void)state;

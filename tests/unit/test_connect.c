@@ -46,7 +46,7 @@ static void build_prism(world *w)
     world_triangles(w, world_material(w, glass_material()), p, 8, index, 12);
 }
 
-/// The one that comes along a direction; none has no light.
+/// The connection that arrives along a direction; without light if there is none.
 static rsv_connection connection_along(const rsv_connections *c, rsv_vec3 point, rsv_vec3 along)
 {
     rsv_connection found[RSV_MOST_CONNECTIONS];
@@ -71,7 +71,7 @@ static void prisms_turn_beams(void **state)
     rsv_vec3 exit = v3(0.3f, 1, -0.2f - (float)tan(TILT));
     rsv_connection found = connection_along(c, v3_mad(exit, 0.5f, left), left);
     assert_close((double)found.irradiance.g, share, 1e-5);
-    // beside the beam there is nothing that runs along it
+    // outside the beam, no light arrives along it
     found = connection_along(c, v3(0.3f, 6, -1), left);
     assert_true(found.irradiance.g == 0);
     rsv_connections_destroy(c);

@@ -6,6 +6,7 @@
 #include "light_fixture.h"
 #include "light_view.h"
 #include "resolvent/render.h"
+#include "solve/world.h"
 
 // ---- leaks --------------------------------------------------------------------------------------
 
@@ -163,7 +164,7 @@ static float size_of(const rsv_elements *e, uint32_t cell)
     return rsv_cell_shape_of(e, cell).size;
 }
 
-/// Largest cells that a box cuts, and that a thin wall keeps the corners of apart.
+/// Size of the largest cells that a box cuts, and of those whose corners are on different sides of a thin wall.
 static void sizes_at_contacts(const rsv_growth *growth, float *cut, float *through)
 {
     world *w = world_begin(2);
@@ -194,8 +195,8 @@ static float constant_growth(const void *growth, const rsv_elements *e, uint32_t
     return *(const float *)growth;
 }
 
-/// What cells of a goal that something stands upon are split to: by the square of how much larger they may be, but not
-/// where light of the far side of a wall would come through.
+/// If a goal allows larger cells, cells under an object grow by the square of that factor, but not where light from the
+/// far side of a wall would leak through.
 static void contacts_matter_as_much_as_the_goal_says(void **state)
 {
     (void)state;
@@ -322,6 +323,51 @@ static void corners_within_walls_are_not_open(void **state)
     world_end(w);
 }
 
+/// A box that reaches through the floor of a room.
+static world *create_sunk_box(bool two_sided)
+{
+    world *w = world_begin(2);
+    rsv_material paint = lambert_material(0.7f, 0);
+    paint.double_sided = two_sided;
+    uint32_t painted = world_material(w, paint);
+    world_room(w, painted, v3(-1, 0, -1), v3(1, 1, 1));
+    world_box(w, painted, v3(-0.31f, -0.2f, -0.32f), v3(0.33f, 0.4f, 0.34f));
+    world_commit(w);
+    return w;
+}
+
+/// Openness of all cells. @param rays out
+static rsv_elements *judge_openness(
+    const world *w, const rsv_transport_scene *scene, uint64_t *rays)
+{
+    rsv_elements *e;
+    *rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.13f }, &e), RSV_OK);
+    assert_int_equal(rsv_elements_find_open_corners(scene, NULL, e, rays), RSV_OK);
+    return e;
+}
+
+static void no_ray_looks_for_insides_where_there_are_none(void **state)
+{
+    (void)state;
+    for (int sides = 1; sides <= 2; sides++) {
+        world *w = create_sunk_box(sides == 2);
+        rsv_world *solved;
+        uint64_t rays, fewer;
+        assert_int_equal(rsv_world_create(w->scene, &solved), RSV_OK);
+        rsv_elements *looked = judge_openness(w, &w->transport, &rays);
+        rsv_elements *known = judge_openness(w, &solved->scene, &fewer);
+        assert_int_equal(solved->scene.no_insides, sides == 2);
+        assert_memory_equal(looked->cell_openness, known->cell_openness, looked->cell_count);
+        assert_int_equal(fewer < rays, sides == 2);
+        rsv_elements_destroy(looked);
+        rsv_elements_destroy(known);
+        rsv_world_release(solved);
+        world_end(w);
+    }
+}
+
 static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
 {
     (void)state;
@@ -342,7 +388,7 @@ static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
-/// Which points count was found for the very points that rows start from.
+/// Visibility was tested for exactly those points from which the rays of rows start.
 static void rows_start_from_the_points_that_were_judged(void **state)
 {
     (void)state;
@@ -622,6 +668,7 @@ int main(void)
         cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
         cmocka_unit_test(a_lamp_close_to_the_ceiling_keeps_its_light_there),
         cmocka_unit_test(corners_within_walls_are_not_open),
+        cmocka_unit_test(no_ray_looks_for_insides_where_there_are_none),
         cmocka_unit_test(where_walls_run_on_into_each_other_there_are_no_spots),
         cmocka_unit_test(rows_start_from_the_points_that_were_judged),
         cmocka_unit_test(the_wall_around_a_picture_is_not_darkened),

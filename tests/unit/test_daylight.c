@@ -171,7 +171,7 @@ static void open_ground_reads_what_the_sky_gives(void **state)
     world_end(w);
 }
 
-/// What a thin sheet of ior 1.5 lets through, light that goes to and fro in it included: (1 - F) / (1 + F) unpolarised.
+/// Transmittance of a thin sheet of ior 1.5, including reflections within it: (1 - F) / (1 + F) unpolarised.
 static double sheet_transmittance(double cosine)
 {
     double inner = sqrt(1 - (1 - cosine * cosine) / 2.25), sum = 0;
@@ -216,15 +216,16 @@ static void sun_passes_clear_panes(void **state)
     world_end(w);
 }
 
-/// Of a corner of a rectangle W wide and H high, straight above which a sensor that faces up lies D before its plane, by pi.
+/// Pi times the form factor of a vertical rectangle W wide and H high, for a sensor that faces up. The sensor is at a
+/// distance D in front of a lower corner of the rectangle.
 static double corner_illuminance(double wide, double high, double before)
 {
     double apart = hypot(before, high);
     return 0.5 * (atan(wide / before) - before / apart * atan(wide / apart));
 }
 
-/// In a black room, an even sky gives sensors on the level of the sill what the closed form of a perpendicular rectangle says
-/// (CIE 171:2006 has such cases).
+/// In a black room under a uniform sky, sensors level with the sill read the closed form of a vertical rectangle (CIE
+/// 171:2006 has such cases).
 static void windows_give_their_form_factor(void **state)
 {
     (void)state;
@@ -280,11 +281,12 @@ static void rooms_without_windows_are_dark(void **state)
     world_end(w);
 }
 
-// ---- beside the path tracer -------------------------------------------------------------------------
+// ---- compared with the path tracer -------------------------------------------------------------------------
 
 enum { sky_width = 720, sky_height = 360 };
 
-/// The scene under the sky of one hour, patch by patch, and the sun as a directional light: as it is, without daylight's own means.
+/// The scene under the sky of one hour, patch by patch, with the sun as a directional light: without the code under
+/// test.
 static void surround_by_hour(
     rsv_scene *scene, const rsv_weather *weather, double north, bool sky_only, bool with_light)
 {
@@ -550,7 +552,8 @@ static void shades_go_down_room_by_room(void **state)
     world_end(w);
 }
 
-/// Where nothing has a colour, sensors share the channels of a field; the slightest tint parts them, and changes nothing.
+/// Where nothing has a colour, three sensors share the channels of one field. The slightest tint separates them,
+/// without changing the results.
 static void gray_rooms_read_as_tinted_ones(void **state)
 {
     (void)state;
@@ -802,7 +805,7 @@ static void failing_allocations_are_reported(void **state)
     world_end(w);
 }
 
-// ---- beside Radiance ----------------------------------------------------------------------------------
+// ---- compared with Radiance ----------------------------------------------------------------------------------
 
 enum { room_sensors = 24, file_limit = 512 };
 
@@ -820,7 +823,7 @@ static void lay_sensors(rsv_probe sensor[room_sensors])
         sensor[k] = up_at(0.5f + (float)(k % 4), 0.8f, -0.5f - (float)(k / 4)); // pts.csv
 }
 
-/// Relative mean square of what readings differ by from those of the reference, and the ratio of the sums.
+/// Relative mean squared difference from the readings of the reference, and the ratio of the sums.
 static void compare_hours(FILE *file, const float *hourly, double *rms, double *mean)
 {
     char line[file_limit];

@@ -151,7 +151,7 @@ static void shows_the_side_that_faces_the_ray(void **state)
 
 enum { pictures = 4 };
 
-/// What all modes say of a scene.
+/// What all modes show of a scene.
 typedef struct readings {
     rsv_image *image[pictures]; ///< reference, operator, final, occlusion
     double frame;               ///< mean
@@ -236,7 +236,7 @@ static double mean_of(const rsv_image *image)
     return sum;
 }
 
-/// Root mean square of what pixels differ by, over the mean.
+/// RMS difference of pixels, over their mean.
 static double difference(const rsv_image *a, const rsv_image *b)
 {
     double sum = 0;
@@ -263,7 +263,7 @@ static void check_light(copies kind, const readings *plain, const readings *r)
         if (!(d < most[k])) fail_msg("%s: picture %d differs by %.4f", name_of_copies(kind), k, d);
         assert_close(mean_of(r->image[k]) / mean_of(plain->image[k]), 1, 0.01);
     }
-    // the modes agree with one another as in the plain room, but for what other elements make of it
+    // the modes agree with one another as in the plain room, except for the effect of different elements
     for (int k = 1; k < 3; k++)
         check_ratio(kind, mean_of(r->image[k]) / mean_of(r->image[0]),
             mean_of(plain->image[k]) / mean_of(plain->image[0]));
@@ -373,7 +373,7 @@ static void overlapping_lamps_shine_once(void **state)
         world *w = world_begin(2);
         uint32_t lamp = world_lambert(w, 0, 10);
         world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(4, 3, 5));
-        // what the others are: side by side, or one
+        // the other lamps: side by side, or a single one
         if (kind == 0) add_lamp(w, lamp, 1.5f, 2, 1), add_lamp(w, lamp, 2, 2.75f, 1);
         if (kind == 1) add_lamp(w, lamp, 1.5f, 2.25f, 1), add_lamp(w, lamp, 2, 2.75f, 1);
         if (kind == 2) add_lamp(w, lamp, 1.5f, 2.5f, 1);
@@ -549,8 +549,8 @@ static void doubled_bodies_refract_once(void **state)
             world *w = create_glass(kind, nested);
             rsv_image *image = trace_paths(w);
             double d = difference(image, expected);
-            // of two bodies and of inexact copies, single paths take another turn: nested ones differ by 2.8 % with 16
-            // samples, 0.35 % with 128, 0.04 % with 1,024, where other random numbers make 57, 21 and 7 %
+            // with two bodies and inexact copies, single paths take other directions: nested ones differ by 2.8 % with
+            // 16 samples, 0.35 % with 128, 0.04 % with 1,024, where other random numbers make 57, 21 and 7 %
             double most = nested || kind == SHELL_NEAR ? 0.05 : 1e-3;
             if (!(d < most)) fail_msg("shell %d, nested %d: differs by %.4f", kind, nested, d);
             assert_close(mean_of(image) / mean_of(expected), 1, 2e-3);
@@ -625,8 +625,8 @@ static void landscapes_do_not_blur_what_stands_on_them(void **state)
     world_end(w);
 }
 
-/// A ball of a decimetre, finely divided, over a landscape: nothing lies in one place, which is found out without looking at
-/// each pair of its triangles.
+/// A finely divided ball of 10 cm above a landscape. No faces coincide, and the search must find this without comparing
+/// every pair of the ball's triangles.
 static void small_things_in_large_scenes_have_no_copies(void **state)
 {
     (void)state;

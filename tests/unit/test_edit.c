@@ -95,7 +95,7 @@ static void versions_are_mixed(void **state)
     rsv_scene_destroy(room);
 }
 
-/// What would be refused in a file is refused where it comes about by moving.
+/// A move that makes a scene invalid is rejected with the same error as an invalid file.
 static void objects_do_not_grow_beyond_all_bounds(void **state)
 {
     rsv_scene *room = open_room(((fixture *)*state)->context), *moved = NULL;

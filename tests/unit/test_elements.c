@@ -667,7 +667,8 @@ static double sampled_integral(const rsv_elements *e)
     return sum;
 }
 
-/// A leader at the rim of a chair's seat must not receive for all of it what arrives at the rim.
+/// A leader (a node that receives light for others) at the rim of a chair's seat must not pass the light of the rim on
+/// to the whole seat.
 static void leaders_receive_for_all_that_follow_them(void **state)
 {
     (void)state;

@@ -209,7 +209,8 @@ static void factors_that_made_readings_are_found_again(void **state)
 /// What mirrors send of lamps is in the readings, too.
 static void lamps_in_mirrors_count(void **state) { find_factors_again(*state, MIRROR); }
 
-/// Where nothing has a colour, three lights share a field of the solve; the slightest tint parts them.
+/// Where nothing has a colour, three lights share a field of the solve. The slightest tint separates them, without
+/// changing the results.
 static void grey_lights_are_solved_as_coloured_ones(void **state)
 {
     fixture *f = *state;
@@ -285,7 +286,7 @@ static void what_cannot_be_met_is_told(void **state)
     assert_float_equal(report.error_largest, 1e5 - (double)rsv_fit_reading(fit, report.worst).r, 1);
     assert_true(report.error_rms > 0.9);
     rsv_fit_destroy(fit);
-    // less than the kept one gives: of at least that much there is no lack, and the others are off
+    // the targets are below the light of the kept one: with at_least, they are met, and the other lights are off
     desc.at_least = true;
     for (int k = 0; k < POINTS; k++)
         wanted[k].reading.r = 1;

@@ -147,7 +147,8 @@ static double mean_of_picture(const rsv_light *light, uint32_t gather_rays)
     return sum / (desc.width * desc.height);
 }
 
-/// Light that has followed an object has no separate orders: layers are refused, and gather rays include all of them.
+/// Light that has followed an object has no separate orders: layers are not supported, and gather rays include all
+/// orders.
 static void pictures_miss_no_bounce(void **state)
 {
     (void)state;
@@ -197,7 +198,7 @@ static void check_row(const rsv_transport *p, const rsv_transport *q, size_t row
     assert_true(fabs(sum_a - sum_b) <= 1e-5 * fabs(sum_a));
 }
 
-/// Rows that two lights of the same scene have come to.
+/// Rows of two lights of the same scene.
 static void check_rows(const rsv_light *a, const rsv_light *b)
 {
     const rsv_transport *p = inside(a)->transport, *q = inside(b)->transport;
@@ -210,7 +211,7 @@ static void check_rows(const rsv_light *a, const rsv_light *b)
     assert_int_equal(rsv_transport_entries(p), rsv_transport_entries(q));
 }
 
-/// Follows a few motions, and one straight to the end: rows patched again and again are rows traced anew.
+/// Follows a few motions, and one straight to the end: rows that are patched repeatedly equal rows traced from scratch.
 static void check_way(
     const char *scene, const char *object, rsv_vec3 shift, rsv_vec3 axis, float turn)
 {
@@ -358,7 +359,7 @@ static void light_is_that_of_solves(void **state)
     check_difference("cornell-blocks", "short block", v3(-0.1f, 0, 0.1f), UNLESS_SANITIZED(4, 1));
 }
 
-/// The figure that is asked for: 20 random movements.
+/// 20 random movements.
 static void light_of_twenty_places_is_that_of_solves(void **state)
 {
     (void)state;

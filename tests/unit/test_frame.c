@@ -647,8 +647,8 @@ static void reused_light_goes_with_its_source(void **state)
     world_end(w);
 }
 
-/// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
-/// The mean of all channels of a moving frame's light, refreshed before each frame or not.
+/// `bench fps` may trace rays of its own between two frames; the next frame must still reuse the previous one. The mean
+/// of all channels of a moving frame's light, refreshed before each frame or not.
 static uint64_t hash_of_refreshed(
     rsv_light *solution, const world *w, rsv_instructions instructions, bool refreshed)
 {
@@ -919,12 +919,60 @@ static void unusable_wishes_are_refused(void **state)
     world_end(w);
 }
 
+/// Shells of frosted glass within each other, in uniform light.
+static world *frosted_shells(void)
+{
+    static rsv_rgb white = { 1, 1, 1 };
+    world *w = world_begin(2);
+    rsv_material frosted = rsv_default_material();
+    frosted.base_color = rgb_gray(1);
+    frosted.roughness = 0.6f;
+    frosted.transmission = 1;
+    frosted.thickness = 0.1f;
+    for (int k = 1; k <= 3; k++)
+        world_sphere(w, world_material(w, frosted), v3(0, 0, 0), 0.3f * (float)k, 3);
+    world_quad(w, world_lambert(w, 0.5f, 0), v3(-0.01f, 0, 9), v3(0.01f, 0, 9), v3(0.01f, 0.02f, 9),
+        v3(-0.01f, 0.02f, 9));
+    const rsv_environment environment = {
+        .pixels = &white, .width = 1, .height = 1, .intensity = 1
+    };
+    assert_int_equal(rsv_scene_set_environment(w->scene, &environment), RSV_OK);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, 0, 3), v3(0, 0, 0), 0.3f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+/// Nothing but the colour of the light is to be seen. Paths of up to 32 events would miss 1 % of it; of 4, 85 %.
+static void frosted_glass_loses_no_light(void **state)
+{
+    (void)state;
+    static rsv_rgb shown[pixel_count];
+    world *w = frosted_shells();
+    rsv_light *solution = solve_for_frames(w, 50, 0);
+    rsv_frame_desc desc = frame_desc();
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    double sum = 0;
+    assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
+    rsv_frame_radiance(renderer, 0, shown);
+    for (size_t k = 0; k < pixel_count; k++)
+        sum += (double)shown[k].g;
+    print_message("    mean %.4f\n", sum / pixel_count);
+    assert_true(fabs(sum / pixel_count - 1) < 0.001);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(frames_add_up_to_the_picture),
         cmocka_unit_test(the_sky_is_that_of_the_picture),
         cmocka_unit_test(layers_are_shown),
+        cmocka_unit_test(frosted_glass_loses_no_light),
         cmocka_unit_test(all_instructions_give_the_same_bytes),
         cmocka_unit_test(each_eye_has_a_picture_of_its_own),
         cmocka_unit_test(frames_start_over_when_the_camera_moves),

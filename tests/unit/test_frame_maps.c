@@ -163,6 +163,22 @@ static void layers_shade_alike(void **state)
     assert_true(difference_of(&f) < MOST_DIFFERENCE);
 }
 
+static void transmission_shades_alike(void **state)
+{
+    (void)state;
+    ground f = {
+        .material = base(0.3f, 0.7f), .least_roughness = 60, .mapped = { true, true, true, false }
+    };
+    f.material.transmission = 0.7f;
+    assert_true(difference_of(&f) < MOST_DIFFERENCE);
+    f.material.thickness = 0.1f;
+    assert_true(difference_of(&f) < MOST_DIFFERENCE);
+    f.material.thickness = f.material.transmission = 0;
+    f.material.diffuse_transmission = 0.5f;
+    f.material.diffuse_transmission_color = rgb(0.4f, 0.8f, 0.6f);
+    assert_true(difference_of(&f) < MOST_DIFFERENCE);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
@@ -172,6 +188,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(each_map_shades_alike),
         cmocka_unit_test(smooth_texels_are_mirrors),
         cmocka_unit_test(layers_shade_alike),
+        cmocka_unit_test(transmission_shades_alike),
     };
     return RUN_HALF(argc, argv, quick, slow);
 }

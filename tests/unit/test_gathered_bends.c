@@ -90,7 +90,8 @@ static double error_after(const world *w, uint32_t pilots)
     return error;
 }
 
-/// Three pilots halve elements three times: a third of the error is what noise and averages over nodes leave of a 64th.
+/// Three pilots halve elements three times, so the error could fall to a 64th. Noise and averages over nodes leave a
+/// third of it.
 static void check(int clutter)
 {
     world *w = cellar(clutter);

@@ -752,8 +752,8 @@ static void expect_good(fixture *f, const char *path)
     rsv_scene_destroy(scene);
 }
 
-/// A line that names the file, or, where what is broken can be done without (a name that is a number, an index of
-/// -1 as a texture), a scene of finite size.
+/// Expects one line that names the file. If the broken part is not needed (a name that is a number, an index of -1 as a
+/// texture), expects a scene of finite size.
 static void expect_error_or_recovery(fixture *f, const char *path)
 {
     rsv_scene *scene = NULL;

@@ -187,7 +187,7 @@ static void solvers_find_what_those_of_the_processor_find(void **state)
         double on_processor = solve_with(s, map, solvers[k], here);
         map->device = device;
         assert_true(difference(there, here, nodes) < 1e-5); // residuals of 1e-6, norm 0.7
-        // the device looks up every four applications alone, and aims at a fifth of the residual
+        // the device checks the residual only every four applications, and aims at a fifth of it
         assert_in_range((size_t)on_device, (size_t)on_processor - 4, (size_t)on_processor + 8);
     }
     free(here), free(there), free(again);

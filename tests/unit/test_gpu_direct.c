@@ -22,7 +22,7 @@ static rsv_device *open_device(const rsv_device_desc *wish)
     return device;
 }
 
-/// Elements and their receiver points; the device lends no hand.
+/// Elements and their receiver points; the device is not used.
 static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
@@ -107,7 +107,7 @@ static void compare_pass(const rsv_light *s, uint32_t samples)
     assert_true(fabs(sum_of(s, there.irradiance) - exact) <= 2e-4 * exact);
     size_t different = count_different(s, &there, &here, exact / (double)nodes);
     if (different > nodes / 100) fail_msg("%zu of %zu nodes differ", different, nodes);
-    // a look more or less where a preview's ray passes an edge
+    // one sample more or less where a preview's ray passes an edge
     assert_true(fabs((double)there.rays - (double)here.rays) <= 0.005 * (double)here.rays);
     end_pass(&here), end_pass(&there), end_pass(&again);
 }

@@ -47,7 +47,7 @@ static void compare(
     assert_true(fabs(luminance_sum(shown) - exact) <= 0.002 * exact);
 }
 
-/// That the device, not the processor, makes the frames of a solution.
+/// Checks that the device, not the CPU, makes the frames of a solution.
 static bool is_shown_by_device(const rsv_light *solution)
 {
     rsv_light_table table;
@@ -191,8 +191,9 @@ static void add_textured(
     world_pattern(w, m, corner, role, role_count);
 }
 
-/// Textures in most roles, a lattice, metal, marble, frosted glass, varnish and velvet, under a lamp, a sky and a point light.
-/// @param device NULL = the processor's
+/// Textures in most roles, a lattice, metal, marble, frosted glass, varnish and velvet, under a lamp, a sky and a point
+/// light.
+/// @param device NULL = the CPU
 static world *textured_world(rsv_device *device)
 {
     static const rsv_texture_role paint[] = { RSV_TEXTURE_BASE_COLOR, RSV_TEXTURE_NORMAL },

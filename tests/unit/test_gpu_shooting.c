@@ -22,7 +22,7 @@ static rsv_device *open_device(const rsv_device_desc *wish)
     return device;
 }
 
-/// Elements to land on; the device lends no hand.
+/// Elements to land on; the device is not used.
 static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);

@@ -99,7 +99,7 @@ static void forge_children_past_the_end(rsv_history_header *h, const rsv_history
         RSV_SLOT_SPLIT | (uint32_t)(h->slots[RSV_HISTORY_COARSE] - 3);
 }
 
-/// A cell that is a child of its own.
+/// A cell that is its own child.
 static void forge_loop(rsv_history_header *h, const rsv_history_layout *l)
 {
     (void)h;
@@ -233,7 +233,7 @@ static void dig(rsv_history_header **h, size_t *bytes)
     *h = deeper;
 }
 
-/// A cell as small as there are, which its past says was split all the same.
+/// A cell of the smallest size, which the history file nevertheless calls split.
 static void cells_are_split_to_the_finest_level_at_most(void **state)
 {
     (void)state;

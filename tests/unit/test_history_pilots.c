@@ -44,7 +44,7 @@ static void memory_enough_changes_nothing_after_an_edit(void **state)
     end_edit(&r);
 }
 
-/// Leaves in `rows` what a solve of the room knew, as if that had been one by `settings`.
+/// Stores in `rows` what a solve of the room leaves, as if it had been solved with `settings`.
 static void leave_for(const room *r, const char *rows, uint64_t settings)
 {
     size_t bytes;

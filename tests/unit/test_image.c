@@ -351,7 +351,7 @@ static void keep_log(void *user, rsv_log_level level, const char *message)
     snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", message);
 }
 
-/// Depth and names are no colours; alpha needs no word.
+/// Depth and named channels are not colours. Alpha is ignored without a warning.
 static void exr_channels_that_are_no_colours_are_named(void **state)
 {
     (void)state;
@@ -406,7 +406,7 @@ static void exr_reads_luminance_as_grey(void **state)
     expect_failure(path_of("chroma.exr"), RSV_ERROR_UNSUPPORTED, "neither R, G, B");
 }
 
-/// R alone is grey, though not beside a picture, where it may be a mask.
+/// R alone is grey, except next to a picture, where it may be a mask.
 static void exr_reads_lone_red_as_grey(void **state)
 {
     (void)state;
@@ -983,7 +983,7 @@ static void damaged_files_do_no_harm(void **state)
         uint8_t *bytes = make_sample(i, &size);
         hash_state = 11;
         for (int round = 0; round < 200; round++) {
-            // the header is small and most delicate: every other blow goes there
+            // every second change hits the header, which is small and most sensitive
             size_t range = round % 2 && size > 128 ? 128 : size;
             size_t at = (size_t)(random_float() * (float)range);
             uint8_t kept = bytes[at];

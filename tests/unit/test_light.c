@@ -310,7 +310,7 @@ static void sampling_integrates_to_the_polygon_irradiance(void **state)
         assert_float_equal(rgb_luminance(local.unshadowed), expected, 1e-5 * expected);
         double mean = estimate(&local, 4000, &random, &error);
         rsv_vec3 towards = v3_normalize(v3_sub(triangle_centre(&t), p));
-        // where next to nothing is above the horizon, the samples know no error of their own
+        // if almost nothing is above the horizon, the samples show no variance
         if (expected > 0.02 * rsv_polygon_irradiance(t.corner, 3, p, towards))
             assert_float_equal(mean, expected, 4.5 * error + 1e-5 * expected);
         close_fixture(&f);

@@ -3,8 +3,8 @@
 #include "picture_judge.h"
 #include "resolvent/lightmix.h"
 
-/// Mode operator shows diffuse surfaces without noise. What is left: each source is sharpened by itself, which is not what
-/// sharpening their sum does where light jumps (sharpen.h).
+/// Mode operator shows diffuse surfaces without noise. The remaining difference: each source is sharpened separately,
+/// which differs from sharpening their sum at discontinuities (sharpen.h).
 #define SAME 1e-3 ///< RMS, relative
 #define TOLERANCE 1e-6f
 

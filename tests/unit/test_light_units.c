@@ -88,7 +88,8 @@ static void blender_means_the_same_lamp_in_whatever_way_it_is_written(void **sta
     remove_folder(place.path);
 }
 
-/// Watts that are not a round number, such as animated ones, decide nothing; other lights do, or else the version.
+/// Watts that are not a round number, such as animated ones, do not reveal the unit. Other lights do; otherwise the
+/// version of the exporter decides.
 static void strengths_of_many_digits_follow_the_other_lights_or_the_version(void **state)
 {
     static const struct {

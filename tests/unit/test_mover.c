@@ -100,8 +100,8 @@ static void compare_light(const rsv_mover *mover, size_t step, const rsv_probe_r
     *bias = shown / exact - 1;
 }
 
-/// Readings of the scene itself know nothing of what the object hides from itself: the floor in its shadow. Those of a scene
-/// that holds it do; their own noise is some 0.02.
+/// Readings of the scene alone do not include what the object does to its own light, such as its shadow on the floor
+/// below it. Readings of a scene that contains the object do; their noise is about 0.02.
 static void light_on_it_is_that_of_the_scene(void **state)
 {
     (void)state;

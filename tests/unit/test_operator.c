@@ -409,7 +409,7 @@ static void assert_fields_are_apart(
     free(all), free(scratch), free(product);
 }
 
-/// Products, transposed ones and residuals ask for rows by their table alone.
+/// Products, transposed products and residuals access rows only through their table.
 static void a_dense_matrix_stands_in_for_stored_rows(void **state)
 {
     (void)state;
@@ -594,7 +594,7 @@ typedef struct endings {
     uint32_t count;
 } endings;
 
-/// A trapped path does not escape. What it weighs after roulette makes up for the paths that ended before.
+/// A trapped path does not escape. Its weight after roulette makes up for the paths that ended before.
 static void note_ending(endings *e, const rsv_gather *gather)
 {
     assert_int_equal(gather->end, RSV_SPECULAR_ABSORBED);

@@ -32,7 +32,7 @@ static void end(subject *s)
     world_end(s->w);
 }
 
-/// What several tests look at and leave as it is.
+/// Shared by several tests, which only read it.
 typedef struct subjects {
     subject furnace, blocks, marble;
 } subjects;
@@ -133,7 +133,8 @@ static void factors_make_it_where_light_diffuses(void **state)
     check_factors(((subjects *)*state)->marble);
 }
 
-/// What a probe reads of the field whose values are the nodes' own coordinates is its place: hats are linear.
+/// If the values of a field are the coordinates of the nodes, a probe reads its own position, because hat functions are
+/// linear.
 static void elements_around_probes_are_where_these_are(void **state)
 {
     subject s = ((subjects *)*state)->furnace;

@@ -122,8 +122,8 @@ static void what_is_left_at_the_origin_does_no_harm(void **state)
     remove_folder(place.path);
 }
 
-/// Large scenes, and those a few times their size away, stay as they are.
-/// One object far from all others, in a scene that is near: nothing can be taken out, but its shape suffers.
+/// Large scenes, and scenes a few times their size away from the origin, stay as they are. So does a scene close to the
+/// origin with one object far away: no common offset can be subtracted, and the shape of that object becomes inexact.
 static void single_objects_far_away_are_told(void **state)
 {
     static const struct {
@@ -248,7 +248,7 @@ static void other_formats_keep_their_digits(void **state)
     check_far_file(*state, "a.obj", obj, sizeof obj - 1);
 }
 
-/// Vertices of glTF are floats: somebody is told that they are too coarse.
+/// Vertices of glTF are floats: a warning says that they are too coarse.
 static void coarse_vertices_are_told(void **state)
 {
     const float corner[9] = { 5700000, 0, 0, 5700001, 0, 0, 5700000, 1, 0 };

@@ -318,14 +318,45 @@ static double share_left(const world *w, bool (*is_noisy)(uint32_t x))
     return error / even;
 }
 
-/// In halves, n and 10 n samples are best: the mean squared error is then 0.6 of what as many everywhere leave. What is
-/// foretold is what comes of it, also of lines one pixel wide, whose neighbours are not like them.
+/// In halves, n and 10 n samples are best: the mean squared error is then 0.6 of what as many everywhere leave. The
+/// predicted error must be the actual one, also for lines one pixel wide, whose neighbours are different.
 static void samples_go_where_noise_is(void **state)
 {
     (void)state;
     world *w = world_begin(1);
     assert_true(share_left(w, is_right_half) < 0.75);
     assert_true(share_left(w, is_edge) < 1);
+    world_end(w);
+}
+
+/// The error of light that fog scatters is known too, from gather rays that begin in the air.
+static void a_picture_of_fog_errs_as_much_as_was_asked_for(void **state)
+{
+    (void)state;
+    enum { size = 32 };
+    static const uint32_t layers[2] = { 0 };
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_fog fog = rsv_default_fog();
+    fog.extinction = rgb_gray(0.4f);
+    fog.albedo = rgb_gray(0.9f);
+    assert_int_equal(rsv_scene_set_fog(w->scene, &fog), RSV_OK);
+    rsv_image *judge[2] = { path_traced(w, size, 256, 7), path_traced(w, size, 256, 8) };
+    const rsv_image *const pair[2] = { judge[0], judge[1] };
+    rsv_render_desc picture = picture_desc(size);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    desc.relative_error = 0.06;
+    planned p = make(w, &desc, &picture);
+    rsv_image_judgement found;
+    assert_int_equal(rsv_image_judge(pair, layers, p.image, 0, &found), RSV_OK);
+    double error = sqrt(found.relative_mse + 2 * found.relative_mse_error);
+    print_message("fog, wanted 0.06: %.4f, %u samples, elements %.4f\n", error, p.plan.samples,
+        sqrt(p.plan.elements_error));
+    assert_false(isnan(p.plan.elements_error));
+    assert_true(p.plan.is_reached);
+    assert_true(error <= 1.25 * desc.relative_error);
+    rsv_image_destroy(judge[0]);
+    rsv_image_destroy(judge[1]);
+    destroy(&p);
     world_end(w);
 }
 
@@ -377,6 +408,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(a_picture_errs_as_much_as_was_asked_for),
+        cmocka_unit_test(a_picture_of_fog_errs_as_much_as_was_asked_for),
         cmocka_unit_test(coarse_solutions_are_gathered_through),
         cmocka_unit_test(a_limit_of_time_always_has_a_picture),
     };

@@ -1,4 +1,4 @@
-/// PLY files as programs write them, text and binary: read as intended, or refused with one line of error.
+/// PLY files as programs write them, text and binary: read as intended, or rejected with one line of error.
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
 

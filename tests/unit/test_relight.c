@@ -239,7 +239,7 @@ static world *yard_on(int threads, bool globe, rsv_vec3 offset)
 
 static world *yard(rsv_vec3 offset) { return yard_on(2, false, offset); }
 
-/// B = K E: what anybody sees of a solution. The black body of the lamp has rows of its own, from where it began.
+/// B = K E, the visible part of a solution. The black body of the lamp has rows of its own, from where it began.
 static rsv_rgb *exitance(const rsv_light *s)
 {
     rsv_rgb *b = malloc(inside(s)->elements->node_count * sizeof *b);
@@ -385,7 +385,8 @@ static void change(rsv_relighter *r, const rsv_relight_desc *desc)
     if (rsv_relighter_change(r, desc) != RSV_OK) fail_msg("%s", rsv_last_error());
 }
 
-/// Through all kinds of change and back: what remains is what one change would have made, and then nothing at all.
+/// Changes of every kind, and back again: the remaining difference is that of the last change alone, and in the end
+/// there is none.
 static void only_the_last_change_counts(void **state)
 {
     (void)state;
@@ -613,7 +614,7 @@ static void added_lights_are_those_of_a_fresh_solve(void **state)
     world_end(other);
 }
 
-/// What steps lead to is the solution, but for the orders that nobody sees; none of them allocates anything.
+/// Steps converge to the solution, except for orders of light too faint to be seen. No step allocates memory.
 static void steps_lead_to_the_solution(void **state)
 {
     (void)state;
@@ -661,7 +662,7 @@ static void check_at_once(rsv_relighter *r, rsv_light *s, const rsv_relight_desc
     assert_false(rsv_relighter_is_settled(r));
     assert_int_equal(rsv_relighter_settle(r), RSV_OK);
     assert_true(largest_difference(once, inside(s)->irradiance, nodes) < 1e-4);
-    // each source is sharpened by itself: where light jumps, that is not what sharpening their sum does
+    // each source is sharpened separately, which differs from sharpening their sum at discontinuities
     double rms = 0, size = 0;
     for (size_t n = 0; n < nodes; n++) {
         rms += pow((double)shown[n].g - inside(s)->indirect[n].g, 2);
@@ -1006,7 +1007,7 @@ static void a_lamp_that_was_moved_into_a_ceiling_is_seen(void **state)
     world_end(w);
 }
 
-/// What a lamp as large as a wall hides is in the rows: it stays where it is.
+/// A lamp as large as a wall blocks light in the rows, so it cannot be moved.
 static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
 {
     (void)state;

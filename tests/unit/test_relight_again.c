@@ -1,4 +1,4 @@
-/// Relighting what was relit: factors are those of the strengths in the scene, not of the time before.
+/// Relighting a relit light: factors are relative to the strengths in the scene, not to the previous ones.
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
@@ -204,7 +204,7 @@ static uint8_t *own_nodes(const rsv_elements *e)
     return own;
 }
 
-/// What is stored of a source is the same at all nodes that there were, though there may be more of them now.
+/// The stored light of a source is unchanged at all earlier nodes, even if nodes were added since.
 static void check_part_kept(const rsv_light *light, const rsv_light *before, size_t source)
 {
     const rsv_light_view *now = inside(light), *then = inside(before);

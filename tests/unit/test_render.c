@@ -155,7 +155,7 @@ static void further_shadow_rays_do_not_change_the_light(void **state)
         mean += mean_of(image, 2) / pictures;
         rsv_image_destroy(image);
     }
-    // standard error 3e-4; were pixels to ask their own samples, they would be 1.7e-3 too bright
+    // standard error 3e-4; if pixels decided by their own samples, they would be 1.7e-3 too bright
     assert_close(mean, expected, 1e-3 * expected);
     rsv_image_destroy(truth);
     rsv_light_destroy(s);

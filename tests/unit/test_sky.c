@@ -346,7 +346,7 @@ static void bad_weather_files_are_refused(void **state)
     assert_int_equal(rsv_weather_read(f->context, "/nowhere/at.epw", &w), RSV_ERROR_IO);
 }
 
-// ---- beside Radiance ------------------------------------------------------------------------------
+// ---- compared with Radiance ------------------------------------------------------------------------------
 
 /// Patches of the reference: hours, and the luminance of each patch divided by 179.
 enum { hour_limit = 8 };

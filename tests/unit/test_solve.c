@@ -117,7 +117,7 @@ static world *create_two_sided_furnace(float albedo)
     return w;
 }
 
-/// The smallest residual that stored floats can have is no small share of the source there.
+/// Rounding of stored floats alone leaves a residual that is not small compared with the source there.
 static void hardly_absorbing_furnaces_converge(void **state)
 {
     (void)state;
@@ -173,8 +173,8 @@ static void orders_of_a_furnace_are_powers_of_its_albedo(void **state)
     world_end(w);
 }
 
-/// But for nodes next to jumps of one order that are none of the whole: what is sharpened there is judged for each order
-/// by itself.
+/// Except at nodes next to discontinuities of one order that the sum does not have: sharpening treats each order
+/// separately.
 static void orders_sum_to_the_solution(void **state)
 {
     (void)state;
@@ -604,7 +604,7 @@ static void bad_descriptors_are_refused_by_name(void **state)
     world_end(w);
 }
 
-/// Blocks stand on a floor: elements there are what a share spares.
+/// Blocks stand on a floor: a smaller share of contacts takes fewer elements there.
 static void a_share_of_contacts_takes_fewer_rows(void **state)
 {
     (void)state;
@@ -701,7 +701,7 @@ static void memory_that_runs_out_is_an_error_and_nothing_leaks(void **state)
     check_allocations(false, 1);
 }
 
-/// What there is time for with every change.
+/// Only some allocations, so that the test is quick enough to run with every change.
 static void memory_may_run_out_here_and_there(void **state)
 {
     (void)state;

@@ -470,7 +470,7 @@ static void the_report_names_solver_and_reason(void **state)
     assert_non_null(strstr(s->solver_reason, "asked for"));
     assert_int_equal(f->stop_reason, RSV_STOP_CONVERGED);
     assert_true(3 * f->iterations <= s->iterations);
-    // what the first orders predict comes true
+    // the prediction from the first orders is right
     assert_close(s->neumann_terms, s->iterations, 0.05 * s->iterations);
     assert_close(s->spectral_radius, 0.95, 2e-3);
     // both stop within the tolerance, 1e-4 of the mean source; layers are the same series

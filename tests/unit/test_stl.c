@@ -1,4 +1,4 @@
-/// STL as programs write it, text and binary: read as intended, or refused with a one-line message.
+/// STL as programs write it, text and binary: read as intended, or rejected with a one-line message.
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
 

@@ -219,7 +219,7 @@ static double srgb(double code)
     return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
 }
 
-/// Codes between two of 8 bits are neither of them.
+/// 16-bit values between two 8-bit values are not rounded to either of them.
 static void sixteen_bits_are_not_rounded_to_eight(void **state)
 {
     folder place = new_folder();
@@ -571,7 +571,7 @@ static void lying_claims_are_refused(void **state)
     remove_folder(place.path);
 }
 
-/// Cut off anywhere and changed anywhere, it is refused or read, and does no harm.
+/// Truncated or changed anywhere, it is rejected or read, and does no harm.
 static void damaged_packed_data_do_no_harm(void **state)
 {
     folder place = new_folder();

@@ -186,7 +186,7 @@ static void between_angles_light_changes_evenly(void **state)
     rsv_light_destroy(sky);
 }
 
-/// A relighter that was prepared knows what the sky does at the angle where it stands.
+/// A prepared relighter includes the sky at its current angle.
 static void a_prepared_sky_dims_at_once(void **state)
 {
     open_box *b = *state;

@@ -192,7 +192,7 @@ static void the_report_says_what_was_kept(void **state)
         world_end(w[k]);
 }
 
-/// The same room after each pair of edits: neither its light nor what the store takes drifts.
+/// The same room after each pair of edits: neither its light nor the size of the store drifts.
 static void edits_back_and_forth_end_where_they_began(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static world *build_coated(float specular, float x, float z)
     return w;
 }
 
-/// The share of its rays that a move leaves.
+/// The share of its rays that are kept after a move.
 static double kept_share(float specular)
 {
     world *w[2] = { build_coated(specular, 0.5f, 0.5f), build_coated(specular, 0.9f, 0.5f) };
@@ -415,7 +415,7 @@ static void memory_that_runs_out_costs_no_more_than_the_update(void **state)
     world_end(w[1]);
 }
 
-/// What each process of a team has of an edited room in the end.
+/// The result of each process of a team for an edited room.
 typedef struct team_result {
     rsv_rgb *irradiance[TEAM_MOST]; ///< [count], to be freed
     size_t count[TEAM_MOST];

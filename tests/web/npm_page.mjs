@@ -52,5 +52,5 @@ const sample = await test.browser.newPage();
 sample.on("pageerror", (error) => test.check(false, `samples/page: ${error.message}`));
 await sample.goto(`${test.address}index.html`);
 await sample.waitForSelector("input[type=range]", { timeout: 10000 }).catch(() => null);
-test.check((await sample.$$("input[type=range]")).length === 1, "samples/page has a slider for the only light");
+test.check((await sample.$$("input[type=range]")).length === 2, "samples/page: a slider for the only light, one for exposure");
 await test.close();

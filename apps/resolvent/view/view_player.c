@@ -55,7 +55,8 @@ static bool open_animation(
     if (p->animation) return true;
     if (!p->session->animation && !open_file(p, scene))
         return fail(state, problem, rsv_last_error());
-    if (!p->session->animation) return fail(state, problem, "only glTF files are played");
+    if (!p->session->animation)
+        return fail(state, problem, "only glTF files are played; convert it to .glb");
     p->animation = p->session->animation;
     p->clip = name ? rsv_animation_find_clip(p->animation, name) : 0;
     bool all = name && strcmp(name, "all") == 0;
