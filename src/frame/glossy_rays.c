@@ -314,12 +314,12 @@ static rsv_rgb aimed_light(
     return rsv_rough_light_by(surface, &wide, lights, false, u);
 }
 
-/// Sends the ray of a cell, together with others. @param path borrowed
+/// Sends the ray of a cell, together with others. The next of `known` has its light of sampled sources.
 static void sample_lobe(rsv_glossy_rays *r, const rsv_glossy_task *task,
-    const rsv_rough_surface *surface, uint32_t trail, size_t cell, rsv_rgb albedo, float spread)
+    const rsv_rough_surface *surface, uint32_t trail, size_t cell, rsv_rgb albedo)
 {
     const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, surface->path->triangle);
-    rsv_rgb known = aimed_light(r, surface, spread, numbers.light);
+    rsv_rgb known = r->known[r->count];
     rsv_bsdf_event event = rsv_rough_draw(surface, numbers.direction);
     rsv_ray ray;
     if (!rsv_rough_goes_on(&event) || event.lobe != RSV_LOBE_REFLECT ||
@@ -351,8 +351,11 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
     rsv_rough_meet(scene_of(r), &path, &surface);
     if (surface.bsdf->transmission > 0 || surface.bsdf->passed > 0)
         sample_whole(r, task, &path, trail, cell, albedo);
-    else
-        sample_lobe(r, task, &surface, trail, cell, albedo, pixels_variance(tile, pixel));
+    else {
+        const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, path.triangle);
+        r->known[r->count] = aimed_light(r, &surface, pixels_variance(tile, pixel), numbers.light);
+        sample_lobe(r, task, &surface, trail, cell, albedo);
+    }
 }
 
 /// Whether a cell has few samples, judged by its position in the previous frame.
