@@ -282,14 +282,31 @@ static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface
     return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
 }
 
+/// Variance of the normals of a cell's pixels, which normal maps may bend: sum over both directions, radian^2.
+/// @param pixel one of them
+static float pixels_variance(const rsv_glossy_tile *tile, uint32_t pixel)
+{
+    uint32_t first = pixel & ~(1u | RSV_TILE);
+    rsv_vec3 sum = v3(0, 0, 0);
+    float count = 0;
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t at = first + (k & 1) + (k >> 1) * RSV_TILE;
+        if (!(tile->depth[at] > 0)) continue;
+        sum = v3_add(sum, v3(tile->normal[0][at], tile->normal[1][at], tile->normal[2][at]));
+        count++;
+    }
+    return f_max(count * count - v3_dot(sum, sum), 0) / f_max(count * (count - 1), 1);
+}
+
 /// Light of sampled sources in a lobe. Highlights of punctual lights smaller than a cell are spread over it.
 static rsv_rgb aimed_light(
-    const rsv_glossy_rays *r, const rsv_rough_surface *surface, const float u[3])
+    const rsv_glossy_rays *r, const rsv_rough_surface *surface, float spread, const float u[3])
 {
     const rsv_lights *lights = r->table->solution->lights;
     float variance = 0;
     if (!shows_sources(r)) return rgb_gray(0);
-    if (rsv_punctual_count(lights) > 0) variance = normal_variance(scene_of(r)->view, surface);
+    if (rsv_punctual_count(lights) > 0)
+        variance = f_max(normal_variance(scene_of(r)->view, surface), spread);
     if (!(variance > 0)) return rsv_rough_light(surface, lights, false, u);
     rsv_rough_surface wide;
     rsv_rough_meet(scene_of(r), surface->path, &wide);
@@ -297,12 +314,12 @@ static rsv_rgb aimed_light(
     return rsv_rough_light_by(surface, &wide, lights, false, u);
 }
 
-/// Sends the ray of a cell, together with others. @param path borrowed
+/// Sends the ray of a cell, together with others. The next of `known` has its light of sampled sources.
 static void sample_lobe(rsv_glossy_rays *r, const rsv_glossy_task *task,
     const rsv_rough_surface *surface, uint32_t trail, size_t cell, rsv_rgb albedo)
 {
     const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, surface->path->triangle);
-    rsv_rgb known = aimed_light(r, surface, numbers.light);
+    rsv_rgb known = r->known[r->count];
     rsv_bsdf_event event = rsv_rough_draw(surface, numbers.direction);
     rsv_ray ray;
     if (!rsv_rough_goes_on(&event) || event.lobe != RSV_LOBE_REFLECT ||
@@ -334,8 +351,11 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
     rsv_rough_meet(scene_of(r), &path, &surface);
     if (surface.bsdf->transmission > 0 || surface.bsdf->passed > 0)
         sample_whole(r, task, &path, trail, cell, albedo);
-    else
+    else {
+        const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, path.triangle);
+        r->known[r->count] = aimed_light(r, &surface, pixels_variance(tile, pixel), numbers.light);
         sample_lobe(r, task, &surface, trail, cell, albedo);
+    }
 }
 
 /// Whether a cell has few samples, judged by its position in the previous frame.

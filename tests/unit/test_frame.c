@@ -392,6 +392,85 @@ static double block_error(const rsv_rgb *a, const rsv_rgb *b, double *ratio)
     return squares / blocks / (sum[1] / blocks * sum[1] / blocks);
 }
 
+/// A plate of metal in the sun, with bumps smaller than a pixel.
+static world *bumps_in_the_sun(void)
+{
+    enum { texels = 64 };
+    static float texel[texels * texels][4];
+    static const float uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_vec3 corner[4] = { v3(-1, -1, 0), v3(1, -1, 0), v3(1, 1, 0), v3(-1, 1, 0) };
+    world *w = world_begin(2);
+    rsv_material metal = rsv_default_material();
+    rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
+    for (uint32_t k = 0; k < texels * texels; k++) {
+        texel[k][0] = 0.5f + 0.4f * (rsv_unit_float(rsv_hash2(1, k)) - 0.5f);
+        texel[k][1] = 0.5f + 0.4f * (rsv_unit_float(rsv_hash2(2, k)) - 0.5f);
+        texel[k][2] = texel[k][3] = 1;
+    }
+    const rsv_texture_desc texture = { .size = sizeof texture,
+        .name = "bumps",
+        .width = texels,
+        .height = texels,
+        .channel_count = 4,
+        .values = texel[0] };
+    assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &ref.texture), RSV_OK);
+    metal.base_color = rgb_gray(0.9f);
+    metal.metallic = 1;
+    metal.roughness = 0.2f;
+    metal.textures = &ref;
+    metal.texture_count = 1;
+    uint32_t mesh;
+    const rsv_mesh_desc plate = { .size = sizeof plate,
+        .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = world_material(w, metal),
+        .uvs = { uv, NULL } };
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &plate, &mesh), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, mesh, NULL, NULL), RSV_OK);
+    world_quad(w, world_lambert(w, 0.3f, 0), v3(-3, -1.1f, 3), v3(3, -1.1f, 3), v3(3, -1.1f, -3),
+        v3(-3, -1.1f, -3));
+    rsv_punctual_light sun = { .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = v3(-0.3f, -0.3f, -0.9f),
+        .intensity = rgb(5, 5, 5) };
+    assert_int_equal(rsv_scene_add_light(w->scene, &sun), RSV_OK);
+    rsv_camera camera =
+        rsv_camera_look_at("eye", v3(0, 0, 3), v3(0, 0, 0), 0.7f, (float)width / height);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+/// Also what a normal map turns away from its neighbours: one ray of a cell must not show the highlight of one pixel on all
+/// of them.
+static void highlights_on_bumps_are_spread_over_cells(void **state)
+{
+    (void)state;
+    static rsv_rgb paths[pixel_count], moving[pixel_count];
+    world *w = bumps_in_the_sun();
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    rsv_frame_renderer *judge = begin_frames(solution, &desc);
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *reused = begin_frames(solution, &desc);
+    render_frames(judge, &view, 64);
+    rsv_frame_radiance(judge, 0, paths);
+    render_frames(reused, &view, 1);
+    view.camera[0].position.x += 1e-3f;
+    render_frames(reused, &view, 1);
+    rsv_frame_radiance(reused, 0, moving);
+    double ratio, error = block_error(moving, paths, &ratio);
+    print_message("    error of blocks %.3g, mean %.4f\n", error, ratio);
+    assert_true(error < 1);
+    rsv_frame_renderer_destroy(judge);
+    rsv_frame_renderer_destroy(reused);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 /// At rest, reused light becomes that of paths: less far from it after more frames, and with the same mean.
 static void reused_light_at_rest_becomes_that_of_paths(void **state)
 {
@@ -909,6 +988,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(reused_light_has_the_same_mean),
         cmocka_unit_test(metals_show_each_other),
         cmocka_unit_test(small_highlights_are_spread_over_cells),
+        cmocka_unit_test(highlights_on_bumps_are_spread_over_cells),
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(frames_at_rest_do_not_depend_on_threads),
