@@ -112,6 +112,14 @@ RSV_INLINE bool rsv_photon_cross(const rsv_transport_scene *scene, rsv_specular_
     return move == RSV_SPECULAR_MOVED;
 }
 
+/// In clear air, only photons caught in a body are as long as that.
+RSV_INLINE bool rsv_photon_goes_on(
+    const rsv_transport_scene *scene, rsv_specular_path *path, rsv_random *random)
+{
+    if (scene->view->fog) return rsv_specular_goes_on(path, random);
+    return path->events < RSV_SPECULAR_MAX_EVENTS;
+}
+
 /// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.
 /// @param level as in rsv_photon @param air as in rsv_photon_cross
 RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_path *path,
@@ -120,7 +128,7 @@ RSV_INLINE bool rsv_photon_step(const rsv_transport_scene *scene, rsv_specular_p
     rsv_bsdf_event event = rsv_photon_draw(scene, path, random);
     bool passes = event.lobe == RSV_LOBE_PASS;
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!(passes || specular) || !rsv_specular_goes_on(path, random)) return false;
+    if (!(passes || specular) || !rsv_photon_goes_on(scene, path, random)) return false;
     bool first = path->turns == 0 && !passes;
     rsv_rgb weight = event.weight;
     if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));
