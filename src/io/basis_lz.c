@@ -1,5 +1,7 @@
 #include "basis_lz.h"
 
+#include "little_endian.h"
+
 #include <string.h>
 
 #define HEADER_BYTES 20
@@ -384,11 +386,6 @@ static rsv_status read_slice(
 
 // ---- all of it ----------------------------------------------------------------------------------
 
-static uint32_t u32(const uint8_t *bytes)
-{
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
 typedef struct bytes {
     const uint8_t *data;
     size_t size;
@@ -409,11 +406,11 @@ static rsv_status read_books(codebooks *b, const rsv_basis_lz *source)
     const bytes global = { head, source->global_size };
     size_t at = HEADER_BYTES + IMAGE_BYTES * (size_t)source->level_count;
     bits endpoints, selectors, codes;
-    b->endpoint_count = u32(head) & 0xffff;
-    b->selector_count = u32(head) >> 16;
-    if (!part_of(global, &at, u32(head + 4), &endpoints) ||
-        !part_of(global, &at, u32(head + 8), &selectors) ||
-        !part_of(global, &at, u32(head + 12), &codes))
+    b->endpoint_count = rsv_read_u32(head) & 0xffff;
+    b->selector_count = rsv_read_u32(head) >> 16;
+    if (!part_of(global, &at, rsv_read_u32(head + 4), &endpoints) ||
+        !part_of(global, &at, rsv_read_u32(head + 8), &selectors) ||
+        !part_of(global, &at, rsv_read_u32(head + 12), &codes))
         return RSV_ERROR_FORMAT;
     b->endpoints = rsv_alloc(b->context, b->endpoint_count + 1, sizeof *b->endpoints);
     b->selectors = rsv_alloc(b->context, b->selector_count + 1, sizeof *b->selectors);
@@ -430,9 +427,9 @@ static rsv_status read_slice_of(
     const codebooks *b, const rsv_basis_lz *source, const uint8_t *image, target to, uint8_t *rgba)
 {
     const uint8_t *words = image + (to == TO_COLOR ? 4 : 12);
-    size_t at = u32(words);
+    size_t at = rsv_read_u32(words);
     bits in;
-    if (!part_of((bytes){ source->level, source->level_size }, &at, u32(words + 4), &in))
+    if (!part_of((bytes){ source->level, source->level_size }, &at, rsv_read_u32(words + 4), &in))
         return RSV_ERROR_FORMAT;
     return read_slice(b, source, in, to, rgba);
 }
@@ -445,7 +442,7 @@ rsv_status rsv_basis_lz_decode(
     if (source->global_size < HEADER_BYTES + IMAGE_BYTES) return RSV_ERROR_FORMAT;
     rsv_status status = read_books(&b, source);
     if (status == RSV_OK) status = read_slice_of(&b, source, image, TO_COLOR, rgba);
-    if (status == RSV_OK && second != RSV_BASIS_NONE && u32(image + 16) > 0)
+    if (status == RSV_OK && second != RSV_BASIS_NONE && rsv_read_u32(image + 16) > 0)
         status =
             read_slice_of(&b, source, image, second == RSV_BASIS_ALPHA ? TO_ALPHA : TO_GREEN, rgba);
     rsv_free(context, b.endpoints);

@@ -1,5 +1,5 @@
-/// Blocks of 4 x 4 texels in the format UASTC (Khronos Data Format Specification 1.4, "Universal ASTC Compressed Texture
-/// Images").
+/// Blocks of 4 x 4 texels in the format UASTC (Khronos Data Format Specification 1.4, "Universal ASTC Compressed
+/// Texture Images").
 #ifndef RSV_BASIS_UASTC_H
 #define RSV_BASIS_UASTC_H
 

@@ -3,6 +3,7 @@
 
 #include "basis_lz.h"
 #include "basis_uastc.h"
+#include "little_endian.h"
 #include "resolvent/scene.h"
 
 #include <math.h>
@@ -61,13 +62,6 @@ typedef struct ktx {
     bool bottom_up;
 } ktx;
 
-static uint32_t u32(const uint8_t *bytes)
-{
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-static uint64_t u64(const uint8_t *bytes) { return u32(bytes) | (uint64_t)u32(bytes + 4) << 32; }
-
 static rsv_status refuse(const ktx *k, rsv_status status, const char *why)
 {
     return rsv_fail(status, "cannot read '%s': %s", k->file->path, why);
@@ -94,7 +88,7 @@ static rsv_basis_second second_of(encoding kind, int channel, int next)
 static rsv_status find_basis_format(ktx *k)
 {
     const uint8_t *head = k->file->bytes;
-    size_t at = u32(head + 48), size = u32(head + 52);
+    size_t at = rsv_read_u32(head + 48), size = rsv_read_u32(head + 52);
     if (at > k->file->size || size > k->file->size - at || channel_of(head, size, 0) < 0)
         return refuse(k, RSV_ERROR_FORMAT, "its data format descriptor is damaged");
     const uint8_t *descriptor = head + at;
@@ -116,7 +110,7 @@ static rsv_status find_basis_format(ktx *k)
 
 static rsv_status find_format(ktx *k)
 {
-    uint32_t number = u32(k->file->bytes + 12);
+    uint32_t number = rsv_read_u32(k->file->bytes + 12);
     if (number == 0 || k->packing == BASIS_LZ) return find_basis_format(k);
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
         if (formats[i].number == number) k->format = &formats[i];
@@ -130,7 +124,7 @@ static rsv_status find_format(ktx *k)
 static rsv_status check_shape(const ktx *k)
 {
     const uint8_t *head = k->file->bytes;
-    if (u32(head + 28) > 1 || u32(head + 32) > 1 || u32(head + 36) != 1)
+    if (rsv_read_u32(head + 28) > 1 || rsv_read_u32(head + 32) > 1 || rsv_read_u32(head + 36) != 1)
         return refuse(k, RSV_ERROR_UNSUPPORTED,
             "it is a volume, an array or a cube; a single picture is needed");
     if (k->width - 1u < RSV_TEXTURE_MAX_SIDE && k->height - 1u < RSV_TEXTURE_MAX_SIDE)
@@ -153,8 +147,8 @@ static rsv_status find_level(ktx *k)
     const uint8_t *level = k->file->bytes + HEADER_BYTES;
     if (k->file->size < HEADER_BYTES + LEVEL_BYTES)
         return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
-    k->at = u64(level);
-    k->size = u64(level + 8);
+    k->at = rsv_read_u64(level);
+    k->size = rsv_read_u64(level + 8);
     k->unpacked = size_of_level(k);
     if (k->at > k->file->size || k->size > k->file->size - k->at)
         return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
@@ -169,11 +163,11 @@ static rsv_status find_level(ktx *k)
 /// The value of a key, with its size; NULL = there is none.
 static const char *find_value(const ktx *k, const char *key, size_t *size)
 {
-    uint64_t at = u32(k->file->bytes + 56), end = at + u32(k->file->bytes + 60);
+    uint64_t at = rsv_read_u32(k->file->bytes + 56), end = at + rsv_read_u32(k->file->bytes + 60);
     size_t length = strlen(key) + 1;
     if (end > k->file->size) return NULL;
     while (end - at >= 4) {
-        uint64_t entry = u32(k->file->bytes + at);
+        uint64_t entry = rsv_read_u32(k->file->bytes + at);
         const char *text = (const char *)k->file->bytes + at + 4;
         if (entry > end - at - 4) return NULL;
         *size = (size_t)entry - length;
@@ -204,9 +198,9 @@ static rsv_status read_header(const rsv_image_file *file, ktx *k)
     rsv_status status;
     *k = (ktx){ .file = file };
     if (file->size < HEADER_BYTES) return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
-    k->width = u32(file->bytes + 20);
-    k->height = u32(file->bytes + 24);
-    k->packing = u32(file->bytes + 44);
+    k->width = rsv_read_u32(file->bytes + 20);
+    k->height = rsv_read_u32(file->bytes + 24);
+    k->packing = rsv_read_u32(file->bytes + 44);
     RSV_TRY(find_format(k));
     RSV_TRY(check_shape(k));
     if (k->packing > ZLIB)
@@ -261,8 +255,8 @@ static void decode_uastc_block(
 static rsv_status decode_etc1s(rsv_context *context, const ktx *k, uint8_t *rgba)
 {
     const uint8_t *head = k->file->bytes;
-    uint64_t at = u64(head + 64), size = u64(head + 72);
-    uint32_t levels = u32(head + 40);
+    uint64_t at = rsv_read_u64(head + 64), size = rsv_read_u64(head + 72);
+    uint32_t levels = rsv_read_u32(head + 40);
     if (at > k->file->size || size > k->file->size - at)
         return refuse(k, RSV_ERROR_FORMAT, "the file is truncated");
     const rsv_basis_lz source = { head + at, head + k->at, (size_t)size, (size_t)k->size,
@@ -313,7 +307,7 @@ static float channel_value(const ktx *k, const uint8_t *texel, uint32_t channel)
     case FLOAT16:
         return half_to_float(texel[2 * channel] | (uint32_t)texel[2 * channel + 1] << 8);
     default:
-        bits = u32(texel + 4 * (size_t)channel);
+        bits = rsv_read_u32(texel + 4 * (size_t)channel);
         memcpy(&value, &bits, sizeof value);
         return value;
     }

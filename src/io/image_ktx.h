@@ -15,8 +15,8 @@ typedef struct rsv_ktx_picture {
 
 bool rsv_image_is_ktx(const rsv_image_file *file);
 
-/// RSV_ERROR_FORMAT for damaged files, RSV_ERROR_UNSUPPORTED for other compressed texels, arrays, cubes and volumes. Messages
-/// name the file. @param picture to be released by rsv_ktx_free
+/// RSV_ERROR_FORMAT for damaged files, RSV_ERROR_UNSUPPORTED for other compressed texels, arrays, cubes and volumes.
+/// Messages name the file. @param picture to be released by rsv_ktx_free
 rsv_status rsv_ktx_decode(
     rsv_context *context, const rsv_image_file *file, rsv_ktx_picture *picture);
 void rsv_ktx_free(rsv_context *context, rsv_ktx_picture *picture);

@@ -5,6 +5,7 @@
 #include "../core/vec.h"
 #include "bare_mesh.h"
 #include "file_source.h"
+#include "little_endian.h"
 #include "scene_read.h"
 
 #include <ctype.h>
@@ -80,15 +81,9 @@ cleanup:
 
 // ---- binary files -----------------------------------------------------------------------------------
 
-static uint32_t little_endian(const char *b)
-{
-    const uint8_t *u = (const uint8_t *)b;
-    return (uint32_t)u[0] | (uint32_t)u[1] << 8 | (uint32_t)u[2] << 16 | (uint32_t)u[3] << 24;
-}
-
 static float float_at(const char *b)
 {
-    uint32_t bits = little_endian(b);
+    uint32_t bits = rsv_read_u32(b);
     float value;
     memcpy(&value, &bits, sizeof value);
     return value;
@@ -103,7 +98,7 @@ static rsv_status count_records(const stl_reader *r, size_t *count)
             "a binary head of 84 bytes",
             r->size);
     size_t held = (r->size - TABLE_START) / RECORD_BYTES;
-    uint32_t said = little_endian(r->bytes + HEAD_BYTES);
+    uint32_t said = rsv_read_u32(r->bytes + HEAD_BYTES);
     *count = said;
     if ((said == 0 || said == UINT32_MAX) && held > 0) *count = held;
     if (*count > held)

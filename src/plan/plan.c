@@ -22,8 +22,8 @@
 /// this for each pixel cost less than the picture: they get more of them. Pictures with more noise than usual may have
 /// fewer in proportion.
 #define ROW_RAYS_PER_PIXEL 20.0
-/// Bound of what the solver leaves, relative to the mean irradiance, for a relative error of 1. The bound is of the worst
-/// place, several times what others have.
+/// Bound of what the solver leaves, relative to the mean irradiance, for a relative error of 1. The bound is of the
+/// worst place, several times what others have.
 #define SOLVER_SHARE 0.01
 /// Light paths for caustics, and fraction of the usual elements at contacts, that suit this error. The noise of
 /// caustics decreases with the paths. The error at contacts, which are along lines, decreases with the root of their
@@ -33,7 +33,7 @@
 #define LEAST_PHOTONS 40000.0
 #define MOST_PHOTONS 6e6
 /// Below this error, pilots for curved light and a search for what the camera does not see are worthwhile, except in
-/// simple scenes, of fewer triangles than elements: these begin with elements and rows for this error, or this many times
+/// simple scenes, of fewer triangles than elements: these begin with elements and rows for this error, or EASED times
 /// the target, and the look at elements decides whether they are enough. cornell-blocks at 160x160 for 0.001 took 3.9 s
 /// with pilots, 512 rays and a goal camera, 2.0 s without, at the same error (0.0011). For 0.000225, where the look
 /// decides nothing, beginning at 0.002 left 0.0003. In the modern hall (28,655 triangles) at 160x90 for 0.0009, such a
