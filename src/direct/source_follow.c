@@ -135,7 +135,8 @@ static bool same_light(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g &
 static void keep_unchanged(level_follower *f, const light_before *before, uint8_t *known)
 {
     rsv_level_builder *b = &f->b;
-    for (size_t n = 0; f->motion->hasty && n < b->elements->node_count; n++) {
+    if (!before->direct || !before->deviation || !b->first_look) return; // there is no haste
+    for (size_t n = 0; n < b->elements->node_count; n++) {
         if (known[n]) continue;
         rsv_rgb look = b->direct[n];
         if (!f->anew[n] && same_light(look, b->first_look[n])) {
