@@ -52,7 +52,8 @@ static double share_of_rest(const char *phase)
         double share;
     } known[] = { { "pilot", 0.05 }, { "goal", 0.05 }, { "assemble", 0.35 }, { "direct", 0.2 },
         { "level", 0.08 }, { "caustics", 0.2 }, { "divide", 0.1 }, { "weights", 0.1 },
-        { "subsurface", 0.2 }, { "spectrum", 0.3 }, { "solve", 0.3 }, { "trial", 0.15 }, { "pass", 0.8 } };
+        { "subsurface", 0.2 }, { "spectrum", 0.3 }, { "solve", 0.3 }, { "trial", 0.15 },
+        { "pass", 0.8 } };
     for (size_t k = 0; k < sizeof known / sizeof *known; k++)
         if (begins_with(phase, known[k].begin)) return known[k].share;
     return 0.95; // pictures, readings and bakes come last
@@ -95,8 +96,10 @@ static double share_at(const cli_progress *progress, double fraction)
 static void guess_total(cli_progress *progress, double now, double elapsed)
 {
     if (progress->done < least_done || elapsed < least_seconds || progress->reached <= 0) return;
-    double in_phase = now - progress->phase_started, to_come = in_phase / progress->reached - in_phase;
-    double guess = (elapsed + to_come) / share_at(progress, 1), weight = exp(progress->last_shown - now);
+    double in_phase = now - progress->phase_started,
+           to_come = in_phase / progress->reached - in_phase;
+    double guess = (elapsed + to_come) / share_at(progress, 1),
+           weight = exp(progress->last_shown - now);
     progress->total = progress->total > 0 ? weight * progress->total + (1 - weight) * guess : guess;
 }
 
