@@ -257,8 +257,10 @@ static rsv_status take_first(rsv_planner *p)
 {
     uint32_t samples = p->wanted > GENEROUS ? 1 : 2;
     rsv_sample_sum_clear(p->context, &p->sum);
+    rsv_progress_part(p->context, "trial", 0);
     rsv_status status = rsv_planner_take(p, samples);
     if (status == RSV_OK) status = rsv_planner_take(p, samples);
+    rsv_progress_part(p->context, NULL, 0);
     if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     return status;
 }
@@ -480,8 +482,10 @@ static rsv_status take_passes(rsv_planner *p)
             say_plan(p, p->sum.samples + (uint32_t)(allocation.mean + 0.5));
         if (status == RSV_OK) p->plan.noise = rsv_uneven_noise(&p->sum);
         left = allocation.mean > 0 ? left - allocation.mean : 0;
+        rsv_progress_part(p->context, "pass", (uint32_t)pass + 1);
         if (status == RSV_OK && allocation.mean > 0)
             status = rsv_planner_take_allocated(p, &allocation);
+        rsv_progress_part(p->context, NULL, 0);
         rsv_allocation_clear(p->context, &allocation);
     }
     return status;
