@@ -8,11 +8,22 @@
 
 #include <string.h>
 
+/// Most directions that K connects.
+#define RSV_BALANCE_NODES (RSV_SPREAD_COS > RSV_BRUSHED_NODES ? RSV_SPREAD_COS : RSV_BRUSHED_NODES)
+
 /// s of channels side by side would be read in strides: one after the other instead.
 typedef struct rsv_balance_channel {
-    float left[RSV_SPREAD_COS]; ///< L
-    float s[RSV_SPREAD_COS];
+    float left[RSV_BALANCE_NODES]; ///< L
+    float s[RSV_BALANCE_NODES];
 } rsv_balance_channel;
+
+/// K as a sum of tables.
+typedef struct rsv_balance_kernel {
+    int count;             ///< of directions
+    int tables;            ///< 1 to 4
+    const float *table[4]; ///< [count][count]
+    float weight[4];
+} rsv_balance_kernel;
 
 /// k += share of the table's entry for alpha
 RSV_INLINE void rsv_add_spread(
@@ -93,36 +104,40 @@ RSV_INLINE void rsv_set_up_spread(const rsv_bsdf *bsdf, int kind, rsv_spread k)
     rsv_make_lossless(k);
 }
 
-RSV_INLINE void rsv_spread_light(const rsv_spread k, const float *light, float mean[RSV_SPREAD_COS])
+RSV_INLINE void rsv_spread_light(
+    const rsv_balance_kernel *k, const float *light, float mean[RSV_BALANCE_NODES])
 {
     RSV_ROLLED
-    for (int i = 0; i < RSV_SPREAD_COS; i++)
+    for (int i = 0; i < k->count; i++)
         mean[i] = 0;
     RSV_ROLLED
-    for (int j = 0; j < RSV_SPREAD_COS; j++)
+    for (int j = 0; j < k->tables * k->count; j++) {
+        const float *row = k->table[j / k->count] + j % k->count * k->count;
+        float amount = k->weight[j / k->count] * light[j % k->count];
         RSV_ROLLED
-    for (int i = 0; i < RSV_SPREAD_COS; i++)
-        mean[i] += k[j][i] * light[j];
+        for (int i = 0; i < k->count; i++)
+            mean[i] += row[i] * amount;
+    }
 }
 
 /// From sqrt(K L), right for mirrors and diffuse lobes. A step of s towards K (L / s) scales an error by
 /// 1 - step (1 + e), e in [0, 1] an eigenvalue of K; these steps, Chebyshev's for three, leave a 99th at most.
-RSV_INLINE void rsv_find_balance(const rsv_spread k, rsv_balance_channel *c)
+RSV_INLINE void rsv_find_balance(const rsv_balance_kernel *k, rsv_balance_channel *c)
 {
     const float step[3] = { 0.5173f, 0.6667f, 0.9373f };
-    float light[RSV_SPREAD_COS], mean[RSV_SPREAD_COS];
+    float light[RSV_BALANCE_NODES], mean[RSV_BALANCE_NODES];
     rsv_spread_light(k, c->left, mean);
     RSV_ROLLED
-    for (int i = 0; i < RSV_SPREAD_COS; i++)
+    for (int i = 0; i < k->count; i++)
         c->s[i] = sqrtf(f_max(mean[i], 1e-8f));
     RSV_ROLLED
     for (int n = 0; n < 3; n++) {
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
+        for (int i = 0; i < k->count; i++)
             light[i] = c->left[i] / c->s[i];
         rsv_spread_light(k, light, mean);
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
+        for (int i = 0; i < k->count; i++)
             c->s[i] += step[n] * (mean[i] - c->s[i]);
     }
 }
@@ -132,36 +147,66 @@ RSV_INLINE float rsv_balance_gap(const rsv_balance_channel *c, int i)
     return c->s[i] * c->s[i] - c->left[i];
 }
 
-RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind, rsv_balance_channel c[3])
+/// @param gap out: s^2 - L in each direction
+RSV_INLINE void rsv_balance_channels(
+    const rsv_bsdf *bsdf, const rsv_balance_kernel *k, rsv_balance_channel c[3], rsv_rgb *gap)
 {
-    rsv_spread k;
-    rsv_set_up_spread(bsdf, kind, k);
     bool gray = rsv_bsdf_layers_are_gray(bsdf);
     RSV_ROLLED
     for (int n = 0; n < (gray ? 1 : 3); n++)
         rsv_find_balance(k, &c[n]);
     RSV_ROLLED
-    for (int i = 0; i < RSV_SPREAD_COS; i++)
-        bsdf->balance[kind][i] =
+    for (int i = 0; i < k->count; i++)
+        gap[i] =
             gray ? rgb_gray(rsv_balance_gap(c, i))
                  : rgb(rsv_balance_gap(c, i), rsv_balance_gap(c + 1, i), rsv_balance_gap(c + 2, i));
+}
+
+RSV_INLINE void rsv_set_light_left(
+    const rsv_bsdf *bsdf, int node, float cos, rsv_balance_channel c[3])
+{
+    rsv_rgb left = rsv_bsdf_passage(bsdf, cos).light;
+    c[0].left[node] = left.r;
+    c[1].left[node] = left.g;
+    c[2].left[node] = left.b;
+}
+
+RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind)
+{
+    rsv_balance_channel c[3];
+    rsv_spread k;
+    rsv_set_up_spread(bsdf, kind, k);
+    RSV_ROLLED
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        rsv_set_light_left(bsdf, i, rsv_spread_cos_at(i), c);
+    rsv_balance_kernel kernel = { RSV_SPREAD_COS, 1, { k[0] }, { 1 } };
+    rsv_balance_channels(bsdf, &kernel, c, bsdf->balance[kind]);
+}
+
+RSV_INLINE void rsv_balance_brushed(rsv_bsdf *bsdf)
+{
+    rsv_balance_channel c[3];
+    rsv_balance_kernel kernel = { .count = RSV_BRUSHED_NODES, .tables = 4 };
+    rsv_table_place a = bsdf->brush_alpha, s = bsdf->brush_strength;
+    RSV_ROLLED
+    for (int k = 0; k < 4; k++) {
+        kernel.table[k] = bsdf->tables->brushed_spread[a.index + (k & 1)][s.index + (k >> 1)][0];
+        kernel.weight[k] = (k & 1 ? a.weight : 1 - a.weight) * (k & 2 ? s.weight : 1 - s.weight);
+    }
+    RSV_ROLLED
+    for (int i = 0; i < RSV_BRUSHED_NODES; i++)
+        rsv_set_light_left(bsdf, i, rsv_brushed_node_cos(i), c);
+    rsv_balance_channels(bsdf, &kernel, c, bsdf->brushed_balance);
 }
 
 /// Sets `balance` of a layered surface, after all other fields.
 RSV_INLINE void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
 {
     if (!bsdf->layered || bsdf->alpha == 0) return;
-    rsv_balance_channel c[3];
-    RSV_ROLLED
-    for (int i = 0; i < RSV_SPREAD_COS; i++) {
-        rsv_rgb left = rsv_bsdf_passage(bsdf, rsv_spread_cos_at(i)).light;
-        c[0].left[i] = left.r;
-        c[1].left[i] = left.g;
-        c[2].left[i] = left.b;
-    }
     bool sheet = bsdf->transmission > 0 && !bsdf->solid;
-    if (bsdf->metallic > 0 || sheet) rsv_balance_kind(bsdf, RSV_SPREAD_METAL, c);
-    if (bsdf->metallic < 1) rsv_balance_kind(bsdf, RSV_SPREAD_INTERFACE, c);
+    if (bsdf->brushed) rsv_balance_brushed(bsdf);
+    if ((bsdf->metallic > 0 && !bsdf->brushed) || sheet) rsv_balance_kind(bsdf, RSV_SPREAD_METAL);
+    if (bsdf->metallic < 1) rsv_balance_kind(bsdf, RSV_SPREAD_INTERFACE);
 }
 
 #endif

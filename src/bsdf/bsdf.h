@@ -88,6 +88,7 @@ typedef struct rsv_bsdf {
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
+    rsv_rgb brushed_balance[RSV_BRUSHED_NODES];   ///< likewise, of brushed metal
     float
         dispersion; ///< of a smooth solid body: ior of blue less that of red, over ior - 1; 0 = none
     bool brushed;   ///< facets of metal have two widths

@@ -168,8 +168,9 @@ RSV_LARGE rsv_rough_base rsv_evaluate_rough_base(
 
 /// The two sides of a sheet together spread light as white metal does.
 RSV_INLINE void rsv_add_layered_base(rsv_bsdf_value *value, const rsv_bsdf *bsdf,
-    const rsv_rough_base *base, float cos_i, float cos_o)
+    const rsv_rough_base *base, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
 {
+    float cos_i = v3_dot(n, wi), cos_o = v3_dot(n, wo);
     rsv_layer_passage passage = rsv_bsdf_passage(bsdf, cos_o);
     float sheet = bsdf->solid ? 0 : bsdf->transmission;
     rsv_rgb metal = rgb_gray(0), interface = rgb_gray(0);
@@ -179,7 +180,7 @@ RSV_INLINE void rsv_add_layered_base(rsv_bsdf_value *value, const rsv_bsdf *bsdf
         interface = rsv_bsdf_both_ways(bsdf, RSV_SPREAD_INTERFACE, cos_i, cos_o);
     rsv_rgb body = cos_i < 0 ? passage.light : interface;
     rsv_add_dimmed(value, &base->metal, passage.chance,
-        bsdf->brushed ? rsv_bsdf_brushed_ways(bsdf, cos_i, cos_o) : metal);
+        bsdf->brushed ? rsv_bsdf_brushed_ways(bsdf, wi, wo, n) : metal);
     rsv_add_dimmed(value, &base->interface, passage.chance,
         rgb_mad(interface, sheet, rgb_sub(metal, interface)));
     rsv_add_dimmed(value, &base->glass, passage.chance, bsdf->solid ? body : metal);
@@ -190,7 +191,7 @@ RSV_INLINE void rsv_add_rough_base(
 {
     rsv_rough_base base = rsv_evaluate_rough_base(bsdf, wi, wo, n, front);
     if (rsv_bsdf_meets_layers(bsdf, front)) {
-        rsv_add_layered_base(value, bsdf, &base, v3_dot(n, wi), v3_dot(n, wo));
+        rsv_add_layered_base(value, bsdf, &base, wi, wo, n);
         return;
     }
     rsv_add_dimmed(value, &base.metal, 1, rgb_gray(1));

@@ -263,8 +263,8 @@ RSV_INLINE float rsv_brushed_entry(
 RSV_LARGE float rsv_brushed_missing(const rsv_bsdf *bsdf, rsv_vec3 w)
 {
     float across = sqrtf(f_max(w.x * w.x + w.y * w.y, 1e-12f)), missing = 0;
-    rsv_table_place turn =
-        rsv_brushed_turn(bsdf->brush_along, bsdf->brush_across, w.x / across, w.y / across);
+    rsv_table_place turn = rsv_brushed_turn(
+        bsdf->brush_along, bsdf->brush_across, w.x / across, w.y / across, RSV_BRUSHED_TURN);
     rsv_table_place cos = rsv_table_place_at(sqrtf(f_min(fabsf(w.z), 1)), RSV_BRUSHED_COS);
     RSV_ROLLED
     for (int k = 0; k < 4; k++) {

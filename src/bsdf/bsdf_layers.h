@@ -115,12 +115,23 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
-/// Light off brushed metal that layers transmit. How it spreads is not tabulated. The smaller value of both directions
-/// is used, which loses a little energy and gains none.
-RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, float cos_i, float cos_o)
+/// a(w) for light off brushed metal. @param w in the frame of the brush
+RSV_INLINE rsv_rgb rsv_bsdf_brushed_way(const rsv_bsdf *bsdf, rsv_vec3 w)
 {
-    rsv_rgb i = rsv_bsdf_passage(bsdf, cos_i).light, o = rsv_bsdf_passage(bsdf, cos_o).light;
-    return rgb(f_min(i.r, o.r), f_min(i.g, o.g), f_min(i.b, o.b));
+    rsv_rgb left = rsv_bsdf_passage(bsdf, w.z).light, gap = rgb_gray(0);
+    rsv_brushed_place at = rsv_brushed_place_of(bsdf->brush_along, bsdf->brush_across, w);
+    RSV_ROLLED
+    for (int k = 0; k < 4; k++)
+        gap = rgb_mad(gap, at.weight[k], bsdf->brushed_balance[at.node[k]]);
+    return rgb(
+        rsv_balanced(left.r, gap.r), rsv_balanced(left.g, gap.g), rsv_balanced(left.b, gap.b));
+}
+
+/// a(wi) a(wo) of brushed metal
+RSV_INLINE rsv_rgb rsv_bsdf_brushed_ways(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
+{
+    return rgb_mul(rsv_bsdf_brushed_way(bsdf, rsv_to_brush(bsdf, n, wi)),
+        rsv_bsdf_brushed_way(bsdf, rsv_to_brush(bsdf, n, wo)));
 }
 
 RSV_LARGE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos)

@@ -266,7 +266,7 @@ RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direct
     float cos_o = v3_dot(draw->n, draw->wo), cos_i = v3_dot(draw->n, direction);
     bool refracted = draw->bsdf->solid && cos_i < 0;
     if (draw->ideal || refracted) return rsv_bsdf_passage(draw->bsdf, cos_o).light;
-    if (draw->brushed) return rsv_bsdf_brushed_ways(draw->bsdf, cos_i, cos_o);
+    if (draw->brushed) return rsv_bsdf_brushed_ways(draw->bsdf, direction, draw->wo, draw->n);
     return rsv_bsdf_both_ways(draw->bsdf, draw->spread, cos_i, cos_o);
 }
 

@@ -23,6 +23,11 @@
 #define RSV_BRUSHED_TURN 8      ///< alpha seen = across + (along - across) (k / 7)^2
 #define RSV_BRUSHED_COS 24      ///< cos = (k / 23)^2
 
+#define RSV_BRUSHED_NODE_TURNS                                                                     \
+    5 ///< of directions by which its light is shared out, placed likewise
+#define RSV_BRUSHED_NODE_COS 10
+#define RSV_BRUSHED_NODES (RSV_BRUSHED_NODE_TURNS * RSV_BRUSHED_NODE_COS)
+
 #define RSV_LOW_IOR 1.5f
 #define RSV_HIGH_IOR 3.0f
 #define RSV_SPREAD_COS 24 ///< cos = (k / 23)^2
@@ -36,6 +41,8 @@ enum { RSV_SPREAD_METAL, RSV_SPREAD_INTERFACE, RSV_SPREADS };
 /// Where a rough surface sends light: [j][k] is the fraction of the light arriving at cosine k that leaves near cosine
 /// j, so that sum_j [j][k] f(cos_j) is its integral of f, linear in sqrt(cos) between entries.
 typedef float rsv_spread[RSV_SPREAD_COS][RSV_SPREAD_COS];
+/// The same of brushed metal, which scatters by azimuth too: between nodes turn * RSV_BRUSHED_NODE_COS + cos.
+typedef float rsv_brushed_spread[RSV_BRUSHED_NODES][RSV_BRUSHED_NODES];
 
 /// Means are hemispherical, 2 int f cos dcos, of the interpolated tables.
 typedef struct rsv_bsdf_tables {
@@ -57,6 +64,7 @@ typedef struct rsv_bsdf_tables {
     /// conductor_missing of surfaces with two widths.
     rsv_brushed_rows brushed_missing[RSV_BRUSHED_ALPHA][RSV_BRUSHED_STRENGTH];
     float brushed_missing_mean[RSV_BRUSHED_ALPHA][RSV_BRUSHED_STRENGTH];
+    rsv_brushed_spread brushed_spread[RSV_BRUSHED_ALPHA][RSV_BRUSHED_STRENGTH]; ///< lossless
 } rsv_bsdf_tables;
 
 extern const rsv_bsdf_tables rsv_bsdf_tables_data;
@@ -138,11 +146,41 @@ RSV_INLINE float rsv_brushed_along(float across, float strength)
 }
 
 /// Of the azimuth of a direction, by the width that it sees. @param x, y widths, x >= y @param cos, sin of the azimuth
-RSV_INLINE rsv_table_place rsv_brushed_turn(float x, float y, float cos, float sin)
+/// @param count of entries
+RSV_INLINE rsv_table_place rsv_brushed_turn(float x, float y, float cos, float sin, int count)
 {
     float seen = sqrtf(x * x * cos * cos + y * y * sin * sin), share = 0;
     if (x > y) share = f_max(seen - y, 0) / (x - y);
-    return rsv_table_place_at(sqrtf(share), RSV_BRUSHED_TURN);
+    return rsv_table_place_at(sqrtf(share), count);
+}
+
+/// Four nodes about a direction, and their weights.
+typedef struct rsv_brushed_place {
+    int node[4];
+    float weight[4];
+} rsv_brushed_place;
+
+/// @param w in the frame of the brush
+RSV_INLINE rsv_brushed_place rsv_brushed_place_of(float x, float y, rsv_vec3 w)
+{
+    float across = sqrtf(f_max(w.x * w.x + w.y * w.y, 1e-12f));
+    rsv_table_place turn =
+        rsv_brushed_turn(x, y, w.x / across, w.y / across, RSV_BRUSHED_NODE_TURNS);
+    rsv_table_place cos = rsv_table_place_at(sqrtf(f_min(fabsf(w.z), 1)), RSV_BRUSHED_NODE_COS);
+    rsv_brushed_place at;
+    RSV_ROLLED
+    for (int k = 0; k < 4; k++) {
+        at.node[k] = (turn.index + (k >> 1)) * RSV_BRUSHED_NODE_COS + cos.index + (k & 1);
+        at.weight[k] =
+            (k >> 1 ? turn.weight : 1 - turn.weight) * (k & 1 ? cos.weight : 1 - cos.weight);
+    }
+    return at;
+}
+
+RSV_INLINE float rsv_brushed_node_cos(int node)
+{
+    float x = (float)(node % RSV_BRUSHED_NODE_COS) / (RSV_BRUSHED_NODE_COS - 1);
+    return x * x;
 }
 
 #endif

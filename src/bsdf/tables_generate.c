@@ -223,7 +223,8 @@ static float brushed_mean(const rsv_brushed_rows rows, float x, float y)
     for (int i = 0; i < TURNS * STEPS; i++) {
         double phi = (i % TURNS + 0.5) / TURNS * 0.5 * (double)RSV_PI;
         double root = (i / TURNS + 0.5) / STEPS, cubed = root * root * root;
-        rsv_table_place turn = rsv_brushed_turn(x, y, (float)cos(phi), (float)sin(phi));
+        rsv_table_place turn =
+            rsv_brushed_turn(x, y, (float)cos(phi), (float)sin(phi), RSV_BRUSHED_TURN);
         rsv_table_place at = rsv_table_place_at((float)root, RSV_BRUSHED_COS);
         double low = (double)rsv_table_line(rows[turn.index], at);
         double high = (double)rsv_table_line(rows[turn.index + 1], at);
@@ -233,19 +234,88 @@ static float brushed_mean(const rsv_brushed_rows rows, float x, float y)
     return (float)(sum / weight);
 }
 
+/// Azimuth of directions that see a width of y + (x - y) share.
+static float brushed_azimuth(float x, float y, float share)
+{
+    float seen = y + (x - y) * share;
+    float cos2 = x > y ? (seen * seen - y * y) / (x * x - y * y) : 0;
+    return acosf(sqrtf(f_min(f_max(cos2, 0), 1)));
+}
+
+/// Light that scatters from one node to others, not normalised.
+typedef struct brushed_light {
+    double at[RSV_BRUSHED_NODES], sum;
+} brushed_light;
+
+static void add_brushed_light(brushed_light *light, float x, float y, rsv_vec3 wi, double amount)
+{
+    rsv_brushed_place at = rsv_brushed_place_of(x, y, wi);
+    for (int k = 0; k < 4; k++)
+        light->at[at.node[k]] += amount * (double)at.weight[k];
+    light->sum += amount;
+}
+
+/// Single scattering of light that leaves towards wo.
+static brushed_light brushed_once(float x, float y, rsv_vec3 wo)
+{
+    enum { AROUND = 48, AWAY = 48 };
+    brushed_light light = { .sum = 0 };
+    for (int i = 0; i < AROUND * AWAY; i++) {
+        float u = ((float)(i % AROUND) + 0.5f) / AROUND, v = ((float)(i / AROUND) + 0.5f) / AWAY;
+        rsv_vec3 h = rsv_ggx_sample_visible_xy(wo, x, y, u, 1 - v * v * v);
+        rsv_vec3 wi = v3_sub(v3_scale(h, 2 * v3_dot(wo, h)), wo);
+        if (wi.z <= 0) continue;
+        double amount = 3 * (double)(v * v * rsv_ggx_visibility_xy(wo, wi, x, y));
+        add_brushed_light(&light, x, y, wi, amount / (AROUND * AWAY));
+    }
+    return light;
+}
+
+/// Multiple scattering, of density missing(w) cos.
+static brushed_light brushed_again(const rsv_brushed_rows rows, float x, float y)
+{
+    enum { TURNS = 64, STEPS = 128 };
+    brushed_light light = { .sum = 0 };
+    for (int i = 0; i < TURNS * STEPS; i++) {
+        float phi = ((float)(i % TURNS) + 0.5f) / TURNS * 0.5f * RSV_PI;
+        float root = ((float)(i / TURNS) + 0.5f) / STEPS, cos = root * root;
+        float sin = sqrtf(1 - cos * cos);
+        rsv_table_place turn = rsv_brushed_turn(x, y, cosf(phi), sinf(phi), RSV_BRUSHED_TURN);
+        rsv_table_place at = rsv_table_place_at(root, RSV_BRUSHED_COS);
+        float low = rsv_table_line(rows[turn.index], at);
+        float missing = low + turn.weight * (rsv_table_line(rows[turn.index + 1], at) - low);
+        add_brushed_light(&light, x, y, v3(sin * cosf(phi), sin * sinf(phi), cos),
+            (double)(root * cos * f_max(missing, 1e-6f)));
+    }
+    return light;
+}
+
+static void fill_brushed_spread(
+    rsv_brushed_spread spread, const rsv_brushed_rows rows, float x, float y)
+{
+    brushed_light again = brushed_again(rows, x, y);
+    for (int i = 0; i < RSV_BRUSHED_NODES; i++) {
+        float phi = brushed_azimuth(x, y, square(i / RSV_BRUSHED_NODE_COS, RSV_BRUSHED_NODE_TURNS));
+        float cos = f_max(rsv_brushed_node_cos(i), 1e-5f), sin = sqrtf(1 - cos * cos);
+        brushed_light once = brushed_once(x, y, v3(sin * cosf(phi), sin * sinf(phi), cos));
+        double left = (1 - once.sum) / again.sum;
+        for (int j = 0; j < RSV_BRUSHED_NODES; j++)
+            spread[j][i] = (float)(once.at[j] + left * again.at[j]);
+    }
+}
+
 static void fill_brushed(rsv_bsdf_tables *t, int a, int s)
 {
     float y = f_max(square(a, RSV_BRUSHED_ALPHA), 1e-3f);
     float x = rsv_brushed_along(y, (float)s / (RSV_BRUSHED_STRENGTH - 1));
     for (int k = 0; k < RSV_BRUSHED_TURN * RSV_BRUSHED_COS; k++) {
         int turn = k / RSV_BRUSHED_COS, c = k % RSV_BRUSHED_COS;
-        float seen = y + (x - y) * square(turn, RSV_BRUSHED_TURN);
-        float cos2 = x > y ? (seen * seen - y * y) / (x * x - y * y) : 0;
-        float phi = acosf(sqrtf(f_min(f_max(cos2, 0), 1)));
+        float phi = brushed_azimuth(x, y, square(turn, RSV_BRUSHED_TURN));
         float cos_o = f_max(square(c, RSV_BRUSHED_COS), 1e-5f);
         t->brushed_missing[a][s][turn][c] = (float)(1 - brushed_albedo(x, y, cos_o, phi));
     }
     t->brushed_missing_mean[a][s] = brushed_mean(t->brushed_missing[a][s], x, y);
+    fill_brushed_spread(t->brushed_spread[a][s], t->brushed_missing[a][s], x, y);
 }
 
 /// A lobe of the sensitivities below, about `peak` nanometres and of other widths on its two sides.
@@ -318,6 +388,8 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     const int brushed_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, RSV_BRUSHED_TURN,
         RSV_BRUSHED_COS, 0 };
     const int brushed_mean_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, 0 };
+    const int brushed_spread_shape[] = { RSV_BRUSHED_ALPHA, RSV_BRUSHED_STRENGTH, RSV_BRUSHED_NODES,
+        RSV_BRUSHED_NODES, 0 };
     const int film_shape[] = { RSV_FILM_STEPS, 3, 0 };
     const int spread_shape[] = { 2, RSV_TABLE_ALPHA, RSV_SPREAD_COS, RSV_SPREAD_COS, 0 };
     fprintf(file, "#include \"bsdf/tables.h\"\n\nconst rsv_bsdf_tables rsv_bsdf_tables_data = {\n");
@@ -334,6 +406,7 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     print_table(file, "film_cosine", t->film_cosine[0], film_shape);
     print_table(file, "brushed_missing", t->brushed_missing[0][0][0], brushed_shape);
     print_table(file, "brushed_missing_mean", t->brushed_missing_mean[0], brushed_mean_shape);
+    print_table(file, "brushed_spread", t->brushed_spread[0][0][0], brushed_spread_shape);
     fprintf(file, "};\n");
 }
 

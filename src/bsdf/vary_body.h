@@ -48,12 +48,19 @@ RSV_INLINE bool rsv_same_layers(const rsv_bsdf *a, const rsv_bsdf *b)
     return same;
 }
 
+RSV_INLINE bool rsv_same_brush(const rsv_bsdf *a, const rsv_bsdf *b)
+{
+    return a->brushed == b->brushed && (!a->brushed || (a->brush_along == b->brush_along &&
+                                                           a->brush_across == b->brush_across));
+}
+
 /// Whether all inputs of `entry_scale` and `balance` are equal: most textures vary only the base colour.
 RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
 {
     return a->coated == b->coated && a->layered == b->layered && a->alpha == b->alpha &&
            a->metallic == b->metallic && a->transmission == b->transmission &&
-           rsv_same_layers(a, b) && rsv_rgb_equal(a->specular_tint, b->specular_tint);
+           rsv_same_brush(a, b) && rsv_same_layers(a, b) &&
+           rsv_rgb_equal(a->specular_tint, b->specular_tint);
 }
 
 /// Sets the widths of facets. Only metal's are brushed: all others take the geometric mean.

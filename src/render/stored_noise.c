@@ -64,10 +64,11 @@ static rsv_status find_stored(const rsv_light_view *s, rsv_stored_noise *noise)
     RSV_TRY(add_variance(e, s->irradiance, square, coarse, NULL));
     for (size_t n = 0; n < rsv_elements_surface_nodes(e); n++) {
         noise->coarse += e->node_area[n] * coarse[n].r;
+        noise->light += (double)(e->node_area[n] * rgb_luminance(field[n]));
         area += e->node_area[n];
         noise->nodes += e->node_area[n] > 0;
     }
-    if (area > 0) noise->coarse /= area;
+    if (area > 0) noise->coarse /= area, noise->light /= area;
 cleanup:
     rsv_free(s->context, field);
     rsv_free(s->context, square);
@@ -256,12 +257,19 @@ static double total_square(const float sum[RSV_NOISE_SUMS])
 /// show it.
 #define COMMON_ERROR 1e-3
 
+/// Light seen over that of the whole scene: a dark room gets this share of the scene's light only, and of its noise.
+static double share_of_scene(const rsv_shared_noise *sums, const rsv_stored_noise *noise)
+{
+    double whole = noise->light * sums->all;
+    return sums->light < whole ? sums->light / whole : 1;
+}
+
 /// The first reflection uses the nodes it comes from; further ones use all nodes equally.
 double rsv_shared_noise_variance(const rsv_shared_noise *sums, const rsv_stored_noise *noise)
 {
-    double further = noise->reflected * sums->all;
+    double further = noise->reflected * sums->all, share = share_of_scene(sums, noise);
     double common = noise->nodes > 0 ? (2 * sums->all + further) * further / noise->nodes : 0;
     double bias = COMMON_ERROR * sums->light;
-    return total_square(sums->stored) + total_square(sums->caustic) + common * noise->coarse +
-           bias * bias;
+    return total_square(sums->stored) + total_square(sums->caustic) +
+           share * share * common * noise->coarse + bias * bias;
 }

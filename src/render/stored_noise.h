@@ -22,6 +22,7 @@ typedef struct rsv_stored_noise {
     rsv_field_noise caustic; ///< of the caustic level
     rsv_field_noise direct;  ///< of direct light, on the elements that hold it
     double coarse;    ///< area-weighted mean of the variance of everything on the coarse elements
+    double light;     ///< area-weighted mean of the luminance of indirect and gathered light
     double reflected; ///< light after further reflections over that of the first: rho / (1 - rho)
     double nodes;     ///< that share it
 } rsv_stored_noise;

@@ -324,14 +324,19 @@ static void choose_solver(series *q, double size)
         rsv_choose_solver(&question, report->solver_reason, sizeof report->solver_reason);
 }
 
-/// <term, G K term> / <term, term> with the weights area x albedo. By reciprocity G K is symmetric in that product, so
-/// this is a Rayleigh quotient: below the spectral radius, by the square of the distance from the slowest mode.
+/// Weights area x albedo of the inner product in which G K is self-adjoint, by reciprocity.
+static rsv_rgb weight_of(const rsv_light *s, size_t node)
+{
+    return rgb_scale(rsv_operator_get_view(s->op)->albedo[node], s->elements->node_area[node]);
+}
+
+/// <term, G K term> / <term, term>, a Rayleigh quotient: below the spectral radius, by the square of the distance from
+/// the slowest mode.
 static double rayleigh_quotient(const rsv_light *s, const rsv_rgb *term, const rsv_rgb *next)
 {
     double image[3] = { 0 }, square[3] = { 0 }, most = 0;
-    const rsv_rgb *albedo = rsv_operator_get_view(s->op)->albedo;
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        rsv_rgb weighted = rgb_scale(rgb_mul(albedo[n], term[n]), s->elements->node_area[n]);
+        rsv_rgb weighted = rgb_mul(weight_of(s, n), term[n]);
         const rsv_rgb to[2] = { rgb_mul(weighted, next[n]), rgb_mul(weighted, term[n]) };
         image[0] += (double)to[0].r, image[1] += (double)to[0].g, image[2] += (double)to[0].b;
         square[0] += (double)to[1].r, square[1] += (double)to[1].g, square[2] += (double)to[1].b;
@@ -452,11 +457,14 @@ static void sharpen_fields(series *q)
 }
 
 /// The radius that the orders suggest is a Rayleigh quotient, below the true one; this is the leading eigenvalue.
-static rsv_status find_radius(const series *q)
+/// @param weight scratch, [node_count]
+static rsv_status find_radius(const series *q, rsv_rgb *weight)
 {
     rsv_leading_value leading;
-    rsv_status status =
-        rsv_leading_eigenvalue(&q->map->linear, RADIUS_TOLERANCE, RADIUS_STEPS, &leading);
+    for (size_t n = 0; n < q->s->elements->node_count; n++)
+        weight[n] = weight_of(q->s, n);
+    rsv_status status = rsv_leading_eigenvalue(
+        &q->map->linear, &weight->r, RADIUS_TOLERANCE, RADIUS_STEPS, &leading);
     if (status == RSV_OK) q->s->report.spectral_radius = leading.value;
     return status;
 }
@@ -474,7 +482,7 @@ static rsv_status solve_orders(rsv_light *s, uint32_t max_orders, bool measures)
     RSV_TRY(solve(&q, max_orders));
     report_error(&q, q.next);
     sharpen_fields(&q);
-    if (measures) RSV_TRY(find_radius(&q));
+    if (measures) RSV_TRY(find_radius(&q, q.next));
 cleanup:
     rsv_transport_map_destroy(q.map);
     rsv_free(s->context, q.term);

@@ -5,23 +5,31 @@
 
 #include <string.h>
 
-typedef struct luminance_range {
-    float low, high;
-} luminance_range;
+typedef struct value_range {
+    rsv_rgb low, high;
+} value_range;
 
-/// Luminance of a node and its neighbours.
-static luminance_range range_around(const rsv_elements *e, const rsv_rgb *value, size_t node)
+/// Values of a node and its neighbours.
+static value_range range_around(const rsv_elements *e, const rsv_rgb *value, size_t node)
 {
-    float own = rgb_luminance(value[node]);
-    luminance_range range = { own, own };
+    value_range range = { value[node], value[node] };
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
         for (int k = 0; k < 3; k++) {
-            float luminance = rgb_luminance(value[e->cell_node[e->support[s] / 4][k]]);
-            range.low = f_min(range.low, luminance);
-            range.high = f_max(range.high, luminance);
+            rsv_rgb near = value[e->cell_node[e->support[s] / 4][k]];
+            range.low = rgb(
+                f_min(range.low.r, near.r), f_min(range.low.g, near.g), f_min(range.low.b, near.b));
+            range.high = rgb(f_max(range.high.r, near.r), f_max(range.high.g, near.g),
+                f_max(range.high.b, near.b));
         }
     }
     return range;
+}
+
+/// `sharp` where a channel is smooth, else `value`.
+static float choose(float value, float sharp, float low, float high)
+{
+    bool smooth = high <= SMOOTH_CONTRAST * low && sharp >= low && sharp <= high;
+    return smooth ? sharp : value;
 }
 
 typedef struct sharpen_job {
@@ -38,12 +46,12 @@ static void sharpen_nodes(void *data, rsv_span span)
     rsv_rgb *once = job.once;
     for (size_t n = span.begin; n < span.end; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue; // constrained below
-        luminance_range range = range_around(e, value, n);
+        value_range range = range_around(e, value, n);
+        rsv_rgb low = range.low, high = range.high;
         rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
-        float luminance = rgb_luminance(sharp);
-        bool smooth = range.high <= SMOOTH_CONTRAST * range.low && luminance >= range.low &&
-                      luminance <= range.high;
-        once[n] = smooth ? sharp : value[n]; // `once` is free as soon as it is read
+        // lights of different colours have edges in different places; `once` is free as soon as it is read
+        once[n] = rgb(choose(value[n].r, sharp.r, low.r, high.r),
+            choose(value[n].g, sharp.g, low.g, high.g), choose(value[n].b, sharp.b, low.b, high.b));
     }
 }
 

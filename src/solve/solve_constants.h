@@ -123,8 +123,8 @@
 #define POCKET_SHARE 0.01
 /// Rounding of stored irradiance, as a share of it, that no residual gets below.
 #define ROUNDING 2.5e-7
-/// Residual of the spectral radius, relative, and the applications that it may take. As A is symmetric, nearly, in some
-/// inner product, the radius itself is known to about the square of that over the distance of the next eigenvalue.
+/// Residual of the spectral radius, relative, and the applications that it may take. As A is nearly self-adjoint in the
+/// inner product used, the radius itself is known to about the square of that over the distance of the next eigenvalue.
 #define RADIUS_TOLERANCE 2e-3
 #define RADIUS_STEPS 24
 /// Errors of the operator are amplified by about 1 / (1 - spectral radius). Beyond this, a warning says so.

@@ -19,18 +19,21 @@ typedef struct channel {
 
 typedef struct iteration {
     const rsv_linear_map *map;
+    const float *weight;     ///< [count x 3]; NULL = 1
     float *basis[BASIS + 1]; ///< [count x 3]
     channel channel[3];
 } iteration;
 
-/// All channels in one pass.
-static void product(const float *a, const float *b, size_t count, double sum[3])
+/// <a, b>, all channels in one pass.
+static void product(const iteration *q, const float *a, const float *b, double sum[3])
 {
+    const float one[3] = { 1, 1, 1 };
     double x = 0, y = 0, z = 0;
-    for (size_t i = 0; i < 3 * count; i += 3) {
-        x += (double)a[i] * (double)b[i];
-        y += (double)a[i + 1] * (double)b[i + 1];
-        z += (double)a[i + 2] * (double)b[i + 2];
+    for (size_t i = 0; i < 3 * q->map->count; i += 3) {
+        const float *w = q->weight ? q->weight + i : one;
+        x += (double)w[0] * a[i] * b[i];
+        y += (double)w[1] * a[i + 1] * b[i + 1];
+        z += (double)w[2] * a[i + 2] * b[i + 2];
     }
     sum[0] = x, sum[1] = y, sum[2] = z;
 }
@@ -55,14 +58,14 @@ static void orthogonalise(iteration *q, uint32_t step)
     size_t count = q->map->count;
     float *next = q->basis[step + 1];
     double before[3], left[3], h[3];
-    product(next, next, count, before);
+    product(q, next, next, before);
     for (uint32_t k = 0; k <= step; k++) {
-        product(next, q->basis[k], count, h);
+        product(q, next, q->basis[k], h);
         subtract(next, q->basis[k], count, h);
         for (size_t c = 0; c < 3; c++)
             q->channel[c].h[k][step] = h[c];
     }
-    product(next, next, count, left);
+    product(q, next, next, left);
     for (size_t c = 0; c < 3; c++) {
         left[c] = sqrt(left[c]);
         if (left[c] <= ROUNDING * sqrt(before[c])) left[c] = 0;
@@ -131,7 +134,7 @@ static void set_length(iteration *q)
 {
     size_t count = q->map->count;
     double length[3];
-    product(q->basis[0], q->basis[0], count, length);
+    product(q, q->basis[0], q->basis[0], length);
     for (size_t c = 0; c < 3; c++) {
         length[c] = sqrt(length[c]);
         q->channel[c].dead = length[c] == 0;
@@ -170,10 +173,10 @@ static rsv_status iterate(
     return status;
 }
 
-rsv_status rsv_leading_eigenvalue(
-    const rsv_linear_map *map, double tolerance, uint32_t max_steps, rsv_leading_value *leading)
+rsv_status rsv_leading_eigenvalue(const rsv_linear_map *map, const float *weight, double tolerance,
+    uint32_t max_steps, rsv_leading_value *leading)
 {
-    iteration q = { .map = map };
+    iteration q = { .map = map, .weight = weight };
     rsv_status status = RSV_ERROR_MEMORY;
     *leading = (rsv_leading_value){ 0 };
     for (uint32_t k = 0; k <= BASIS; k++) {

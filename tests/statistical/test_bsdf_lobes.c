@@ -57,9 +57,7 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
     rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, front);
     bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, bsdf->brushed ? 768 : 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
-    bool dimmed = bsdf->brushed && bsdf->layered; // rsv_bsdf_brushed_ways
-    report(
-        energy > (dimmed ? 0.9 : 0.995) && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    report(energy > 0.995 && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
     if (bsdf->film.share > 0 && bsdf->alpha == 0)
         return; // chances are of the channel that is reflected most
     double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);

@@ -281,6 +281,31 @@ static void rooms_without_windows_are_dark(void **state)
     world_end(w);
 }
 
+/// The walls' outsides are bright, and vary: the little that gets in where boxes touch at edges is not as uncertain.
+static void errors_of_dark_rooms_are_small(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    build_lit_room(w, false, false);
+    world_commit(w);
+    rsv_weather_hour hour = record_at(6, 21, 12.5, 800, 100);
+    rsv_weather weather = weather_of(&hour, 1);
+    rsv_probe sensor[] = { up_at(1, 0.8f, -1), up_at(2, 0.8f, -2.5f), up_at(3, 0.8f, -4) };
+    rsv_daylight_desc desc = rsv_default_daylight_desc(RSV_QUALITY_DRAFT);
+    solved s = solve_with(w, &weather, sensor, 3, &desc, 2000);
+    rsv_daylight_run_desc run = rsv_default_daylight_run_desc();
+    rsv_daylight_report report;
+    assert_int_equal(rsv_daylight_run(s.daylight, &weather, &run, &report), RSV_OK);
+    for (int k = 0; k < 3; k++) {
+        rsv_figure mean = report.sensor[k][RSV_SENSOR_MEAN];
+        print_message("sensor %d: %g +- %g lux\n", k, mean.value, mean.standard_error);
+        assert_true(mean.value < 1 && mean.standard_error <= fmax(mean.value, 1e-3));
+    }
+    rsv_daylight_report_free(s.daylight, &report);
+    release(&s);
+    world_end(w);
+}
+
 // ---- compared with the path tracer -------------------------------------------------------------------------
 
 enum { sky_width = 720, sky_height = 360 };
@@ -889,6 +914,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(open_ground_reads_what_the_sky_gives),
         cmocka_unit_test(windows_give_their_form_factor),
         cmocka_unit_test(rooms_without_windows_are_dark),
+        cmocka_unit_test(errors_of_dark_rooms_are_small),
         cmocka_unit_test(figures_count_hours),
         cmocka_unit_test(grids_stand_on_floors),
         cmocka_unit_test(rooms_are_told_apart),

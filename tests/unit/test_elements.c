@@ -6,6 +6,7 @@
 #include "elements/follower.h"
 #include "elements/spacing.h"
 #include "light_fixture.h"
+#include "solve/sharpen.h"
 
 /// Corners of a rectangle with two points inside: six triangles of very different sizes.
 static const rsv_vec3 plane_corner[] = { { 0, 0, 0 }, { 4, 0, 0 }, { 4, 3, 0 }, { 0, 3, 0 },
@@ -571,6 +572,36 @@ static void averages_match_sampled_means(void **state)
     world_end(w);
 }
 
+/// Red light beside green light of the same luminance.
+static void sharpening_keeps_away_from_edges_of_colour(void **state)
+{
+    (void)state;
+    world *w;
+    rsv_elements *e = create_plane(&w, 0.2f);
+    rsv_rgb *value = calloc(e->node_count, sizeof *value);
+    rsv_rgb *once = calloc(e->node_count, sizeof *once),
+            *twice = calloc(e->node_count, sizeof *once);
+    const rsv_rgb red = { 1, 0.1f, 0.1f }, green = { 0.1f, 0.3675f, 0.1f };
+    assert_true(value && once && twice);
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        uint32_t face;
+        float u, v;
+        rsv_elements_place_node(e, n, &face, &u, &v);
+        rsv_vec3 at = place_on_face(e, face, u, v);
+        value[n] = rgb_scale(at.x < 2 ? red : green, 1 + 0.1f * at.y);
+    }
+    rsv_sharpen(e, value, once, twice);
+    for (size_t n = 0; n < e->node_count; n++) {
+        assert_true(value[n].r > 0.099f && value[n].r < 1.31f);
+        assert_true(value[n].g > 0.099f && value[n].g < 0.48f);
+    }
+    free(value);
+    free(once);
+    free(twice);
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
 static void nodes_are_drawn_by_their_weights(void **state)
 {
     (void)state;
@@ -846,6 +877,7 @@ int main(void)
         cmocka_unit_test(cells_that_add_up_to_the_same_area_are_not_the_same),
         cmocka_unit_test(twins_are_nodes_whose_cells_a_split_left_alone),
         cmocka_unit_test(averages_match_sampled_means),
+        cmocka_unit_test(sharpening_keeps_away_from_edges_of_colour),
         cmocka_unit_test(nodes_are_drawn_by_their_weights),
         cmocka_unit_test(nodes_of_fine_meshes_follow_near_leaders),
         cmocka_unit_test(leaders_receive_for_all_that_follow_them),

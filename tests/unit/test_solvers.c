@@ -319,7 +319,7 @@ static void power_iteration_brackets_the_spectral_radius(void **state)
 static double leading_value(const rsv_linear_map *map)
 {
     rsv_leading_value leading;
-    assert_int_equal(rsv_leading_eigenvalue(map, 1e-5, 60, &leading), RSV_OK);
+    assert_int_equal(rsv_leading_eigenvalue(map, NULL, 1e-5, 60, &leading), RSV_OK);
     assert_true(leading.residual <= 1e-5 * leading.value);
     return leading.value;
 }
@@ -343,6 +343,31 @@ static void the_leading_eigenvalue_is_found(void **state)
         for (int j = 0; j < 20; j++)
             m->a[i][j] = (i < 10) == (j < 10) ? (i < 10 ? 0.06 : 0.0599) : 1e-6;
     assert_close(leading_value(&m->linear), 0.6, 1e-4);
+    free(m);
+    world_end(w);
+}
+
+/// Self-adjoint in an inner product whose weights reach from 1 to 1000: an early estimate is off by the square of its
+/// residual over the distance to the next eigenvalue, which is more than half of the first.
+static void the_leading_eigenvalue_is_of_second_order(void **state)
+{
+    (void)state;
+    enum { count = 20 };
+    world *w = world_begin(1);
+    dense_map *m = dense_begin(w->context, count);
+    float weight[3 * count];
+    for (uint32_t i = 0; i < count; i++) {
+        weight[3 * i] = weight[3 * i + 1] = weight[3 * i + 2] = powf(10, 3 * (float)noise(i, 5));
+        for (uint32_t j = 0; j < count; j++)
+            m->a[i][j] = (1 + noise(i < j ? i : j, i < j ? j : i)) / weight[3 * i];
+    }
+    rsv_leading_value exact, early;
+    assert_int_equal(rsv_leading_eigenvalue(&m->linear, weight, 1e-6, 60, &exact), RSV_OK);
+    for (uint32_t steps = 2; steps <= 5; steps++) {
+        assert_int_equal(rsv_leading_eigenvalue(&m->linear, weight, 0, steps, &early), RSV_OK);
+        double below = exact.value - early.value, square = early.residual * early.residual;
+        assert_true(below >= -3e-7 && below <= 2 * square / exact.value + 3e-7);
+    }
     free(m);
     world_end(w);
 }
@@ -726,6 +751,7 @@ int main(void)
         cmocka_unit_test(memory_that_runs_out_is_an_error),
         cmocka_unit_test(power_iteration_brackets_the_spectral_radius),
         cmocka_unit_test(the_leading_eigenvalue_is_found),
+        cmocka_unit_test(the_leading_eigenvalue_is_of_second_order),
         cmocka_unit_test(the_reported_radius_is_the_true_one),
         cmocka_unit_test(solvers_agree_on_scenes),
         cmocka_unit_test(the_automatic_solver_needs_a_third_of_the_series),
