@@ -303,8 +303,8 @@ static rsv_rgb left_to_cells(const rsv_glossy_task *task, const rsv_lights *ligh
     return sum;
 }
 
-/// Light of sampled sources in a lobe. Highlights of punctual lights that pixels do not show by themselves are spread over
-/// the cell, if they are smaller.
+/// Light of sampled sources in a lobe. Highlights of punctual lights that pixels do not show by themselves are spread
+/// over the cell, if they are smaller.
 static rsv_rgb aimed_light(const rsv_glossy_rays *r, const rsv_glossy_task *task,
     const rsv_glossy_tile *tile, const rsv_rough_surface *surface, uint32_t pixel, const float u[3])
 {

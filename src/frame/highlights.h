@@ -7,8 +7,8 @@
 
 #include "../sources/punctual_light.h"
 
-/// Radiance of lobes, relative to the mean that arrives, up to which cells show a highlight. The more they show, the fewer
-/// shadow rays pixels need, and the more blurred highlights are.
+/// Radiance of lobes, relative to the mean that arrives, up to which cells show a highlight. The more they show, the
+/// fewer shadow rays pixels need, and the more blurred highlights are.
 #define RSV_HIGHLIGHT_LIMIT 4.0f
 
 /// A punctual light as pixels judge it.
@@ -35,8 +35,8 @@ typedef struct rsv_highlight_point {
 } rsv_highlight_point;
 
 /// Share of a light's highlight that cells show: less than 1 only where it is above RSV_HIGHLIGHT_LIMIT, judged by the
-/// narrowest lobe (Walter et al. 2007). The irradiance of a surface is at least that of each light that reaches it, which
-/// keeps surfaces in the shadow dark.
+/// narrowest lobe (Walter et al. 2007). The irradiance of a surface is at least that of each light that reaches it:
+/// shaded surfaces need no shadow rays.
 RSV_INLINE float rsv_highlight_share(
     const rsv_highlight_light *light, const rsv_highlight_point *at)
 {
@@ -66,7 +66,7 @@ RSV_INLINE float rsv_highlight_left(
     return share < 1 && variance > at->variance ? rsv_highlight_share(light, &wide) : share;
 }
 
-/// Share of the variance of the normals of 2x2 pixels by which lobes are widened in a moving picture (rsv_rough_widen):
+/// Share of the variance of the normals of 2x2 pixels by which lobes are widened in a moving picture:
 /// highlights smaller than a pixel would be as rare as they are bright, and frames lose what is much brighter than its
 /// surroundings. At rest, each place in a pixel gets its turn instead. Of 0.25, 0.5 and 1, the first loses light of small
 /// balls in the sun, and the last errs more where normal maps bend a lamp of metal (relative MSE 0.18, 0.20, 0.28).
