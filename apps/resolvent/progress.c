@@ -52,14 +52,15 @@ static double share_of_rest(const char *phase)
         double share;
     } known[] = { { "pilot", 0.05 }, { "goal", 0.05 }, { "assemble", 0.35 }, { "direct", 0.2 },
         { "level", 0.08 }, { "caustics", 0.2 }, { "divide", 0.1 }, { "weights", 0.1 },
-        { "subsurface", 0.2 }, { "spectrum", 0.3 }, { "solve", 0.3 } };
+        { "subsurface", 0.2 }, { "spectrum", 0.3 }, { "solve", 0.3 }, { "trial", 0.15 },
+        { "pass", 0.8 } };
     for (size_t k = 0; k < sizeof known / sizeof *known; k++)
         if (begins_with(phase, known[k].begin)) return known[k].share;
     return 0.95; // pictures, readings and bakes come last
 }
 
 /// Counts everything before a new phase as done, except phases that were only announced.
-static void begin_phase(cli_progress *progress, const char *phase)
+static void begin_phase(cli_progress *progress, const char *phase, double now)
 {
     size_t length = strlen(progress->phase), tail = strlen("assemble");
     bool announced = length >= tail && progress->reached < 0.02 &&
@@ -67,6 +68,7 @@ static void begin_phase(cli_progress *progress, const char *phase)
     if (!announced) progress->phase_begin += progress->phase_share;
     progress->reached = 0;
     progress->phase_share = (1 - progress->phase_begin) * share_of_rest(phase);
+    progress->phase_started = now;
     snprintf(progress->phase, sizeof progress->phase, "%s", phase);
 }
 
@@ -82,11 +84,22 @@ static void format_duration(double seconds, char *text, size_t size)
         snprintf(text, size, "%ld h %ld min", whole / 3600, whole / 60 % 60);
 }
 
-/// Seconds that all the work will have taken: guesses differ, the more the earlier, and are averaged over a second.
+/// Share of all the work that was done, or will be, when the phase has reached `fraction`.
+static double share_at(const cli_progress *progress, double fraction)
+{
+    double of_part = fmin(progress->phase_begin + progress->phase_share * fraction, 1);
+    return progress->part_begin + progress->part_share * of_part;
+}
+
+/// Seconds that all the work will have taken: guesses differ, the more the earlier, and are averaged over a second. The
+/// phase goes on at its own speed, not at that of earlier ones, which may have taken far more or less than their share.
 static void guess_total(cli_progress *progress, double now, double elapsed)
 {
-    if (progress->done < least_done || elapsed < least_seconds) return;
-    double guess = elapsed / progress->done, weight = exp(progress->last_shown - now);
+    if (progress->done < least_done || elapsed < least_seconds || progress->reached <= 0) return;
+    double in_phase = now - progress->phase_started,
+           to_come = in_phase / progress->reached - in_phase;
+    double guess = (elapsed + to_come) / share_at(progress, 1),
+           weight = exp(progress->last_shown - now);
     progress->total = progress->total > 0 ? weight * progress->total + (1 - weight) * guess : guess;
 }
 
@@ -113,7 +126,7 @@ static void draw_bar(const cli_progress *progress, const char *eta)
 static void show(cli_progress *progress, double now)
 {
     char eta[64];
-    double elapsed = now - progress->phase_started;
+    double elapsed = now - progress->first_started;
     guess_total(progress, now, elapsed);
     format_eta(progress, elapsed, eta, sizeof eta);
     progress->last_shown = now;
@@ -130,16 +143,18 @@ static void show(cli_progress *progress, double now)
 
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction)
 {
+    cli_progress_update_at(progress, phase, fraction, cli_seconds());
+}
+
+void cli_progress_update_at(cli_progress *progress, const char *phase, double fraction, double now)
+{
     if (progress->muted) return;
-    double now = cli_seconds();
-    if (progress->phase_started == 0) progress->phase_started = now;
+    if (progress->first_started == 0) progress->first_started = now;
     if (strncmp(progress->phase, phase, sizeof progress->phase - 1) != 0)
-        begin_phase(progress, phase);
+        begin_phase(progress, phase, now);
     fraction = fmin(fmax(fraction, 0), 1);
     progress->reached = fmax(progress->reached, fraction);
-    double of_part = progress->phase_begin + progress->phase_share * fraction;
-    progress->done =
-        fmax(progress->done, progress->part_begin + progress->part_share * fmin(of_part, 1));
+    progress->done = fmax(progress->done, share_at(progress, fraction));
     if (!progress->terminal && now - progress->work_started < quiet_period) return;
     if (now - progress->last_shown < (progress->terminal ? redraw_interval : line_interval)) return;
     show(progress, now);

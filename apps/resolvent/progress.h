@@ -20,7 +20,8 @@ typedef struct cli_progress {
     double done;         ///< share of all the work
     double total;        ///< seconds that the work will have taken, as guessed so far; 0 = no guess
     double work_started; ///< seconds, cli_seconds()
-    double phase_started; ///< of the first phase; 0 = none has begun
+    double first_started; ///< seconds, of the first phase; 0 = none has begun
+    double phase_started; ///< seconds, of the phase
     double last_shown;
     int printed_percent; ///< of the last plain line; -1 = there is none
 } cli_progress;
@@ -33,6 +34,9 @@ void cli_progress_part(cli_progress *progress, const char *name, unsigned number
 
 /// Notes that `fraction` of `phase` is done, and updates the bar. Cheap enough to be called often.
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction);
+
+/// The same at a given time. @param now seconds of the clock of cli_seconds()
+void cli_progress_update_at(cli_progress *progress, const char *phase, double fraction, double now);
 
 /// Takes the bar off the terminal, so that another line can be printed.
 void cli_progress_clear(cli_progress *progress);

@@ -17,11 +17,6 @@ typedef struct receiver {
     rsv_residual *result;
 } receiver;
 
-bool rsv_has_unseen_caustics(const rsv_light_view *s)
-{
-    return s->caustics.caustic && s->lights->punctual_count > 0;
-}
-
 rsv_residual_job rsv_residual_job_of(
     const rsv_light_view *s, uint32_t gather_rays, uint32_t light_samples)
 {

@@ -34,9 +34,6 @@ typedef struct rsv_residual {
     uint64_t rays;
 } rsv_residual;
 
-/// Whether a solution has caustics that no gather ray can find.
-bool rsv_has_unseen_caustics(const rsv_light_view *solution);
-
 rsv_residual_job rsv_residual_job_of(
     const rsv_light_view *solution, uint32_t gather_rays, uint32_t light_samples);
 

@@ -1,7 +1,6 @@
 #include "allocation.h"
 
 #include "../core/core.h"
-#include "pixel_error.h"
 
 #include <math.h>
 
@@ -10,17 +9,23 @@
 #define NEAR_SHARE 0.6f
 #define AROUND_SHARE 0.3f
 #define ALL_SHARE 0.1f
-/// Camera rays of a pixel at most.
+/// A pixel counts no more than this in the last one: a spark says little about pixels far from it.
+#define MOST_FOR_ALL 4.0f
+/// A spark has at least this relative squared error, and this many times that of the 5x5 square.
+#define SPARK 4.0f
+#define SPARK_EXCESS 4.0f
+/// Camera rays of a pixel at most, and of a spark at least.
 #define MOST_OF_A_PIXEL 16384.0
+#define LEAST_OF_A_SPARK 8.0
 /// Halvings of the interval that the scale of all numbers lies in.
 #define BISECTIONS 30
 
 typedef struct allocator {
     const rsv_sample_sum *sum;
     uint32_t width, height;
-    float *own;   ///< [pixels] relative squared errors as found
-    float *error; ///< [pixels] by the neighbours: these decide on numbers of samples
-    float *worth; ///< [pixels] numbers of samples are proportional to it
+    float *own;     ///< [pixels] relative squared error of one sample, as found
+    float *renewed; ///< [pixels] the same by the neighbours, for sparks; 0 = no spark
+    float *worth;   ///< [pixels] numbers of samples are proportional to it
     double fall;
 } allocator;
 
@@ -45,42 +50,52 @@ static float mean_around(const allocator *a, uint32_t x, uint32_t y, uint32_t re
     return count > 1 ? fmaxf(sum, 0) / (count - 1) : 0;
 }
 
-static double mean_of(const float *value, size_t count)
-{
-    double sum = 0;
-    for (size_t k = 0; k < count; k++)
-        sum += (double)value[k];
-    return sum / (double)count;
-}
-
-/// Errors by neighbours, with the same mean as those that were found.
-static void find_errors(allocator *a)
+/// Mean over all pixels, sparks limited.
+static float mean_of_all(const allocator *a)
 {
     size_t pixels = (size_t)a->width * a->height;
-    double all = mean_of(a->own, pixels);
-    for (uint32_t y = 0; y < a->height; y++)
-        for (uint32_t x = 0; x < a->width; x++)
-            a->error[(size_t)y * a->width + x] = NEAR_SHARE * mean_around(a, x, y, 1) +
-                                                 AROUND_SHARE * mean_around(a, x, y, 2) +
-                                                 ALL_SHARE * (float)all;
-    double smooth = mean_of(a->error, pixels);
-    float scale = smooth > 0 ? (float)(all / smooth) : 0;
-    for (size_t k = 0; k < pixels; k++) {
-        a->error[k] *= scale;
-        a->worth[k] = powf(a->error[k], (float)(1 / (1 + a->fall)));
-    }
+    double sum = 0;
+    for (size_t k = 0; k < pixels; k++)
+        sum += (double)fminf(a->own[k], MOST_FOR_ALL / a->sum->pixel[k].left);
+    return (float)(sum / (double)pixels);
 }
 
-/// Camera rays of a pixel that are there.
-static double taken(const allocator *a, size_t pixel)
+static bool is_spark(const allocator *a, size_t pixel, float around)
 {
-    return a->sum->taken ? a->sum->taken[pixel] : a->sum->samples;
+    float left = a->sum->pixel[pixel].left, error = a->own[pixel] * left;
+    return error > SPARK && error > SPARK_EXCESS * around * left;
+}
+
+/// What a pixel's samples are worth by the errors around it, and for sparks by their own.
+static void find_worth(allocator *a, uint32_t x, uint32_t y, float all)
+{
+    size_t pixel = (size_t)y * a->width + x;
+    float around = mean_around(a, x, y, 2);
+    float error = NEAR_SHARE * mean_around(a, x, y, 1) + AROUND_SHARE * around + ALL_SHARE * all;
+    a->renewed[pixel] = 0;
+    if (is_spark(a, pixel, around)) {
+        a->renewed[pixel] = fmaxf(error, 1e-20f);
+        error = a->own[pixel];
+    }
+    a->worth[pixel] = powf(error, (float)(1 / (1 + a->fall)));
+}
+
+static void find_errors(allocator *a)
+{
+    float all;
+    for (size_t k = 0; k < (size_t)a->width * a->height; k++)
+        a->own[k] = a->sum->pixel[k].variance;
+    all = mean_of_all(a);
+    for (uint32_t y = 0; y < a->height; y++)
+        for (uint32_t x = 0; x < a->width; x++)
+            find_worth(a, x, y, all);
 }
 
 static double extra_of(const allocator *a, size_t pixel, double scale)
 {
     double wanted = fmin(scale * (double)a->worth[pixel], MOST_OF_A_PIXEL);
-    return fmax(floor(wanted - taken(a, pixel) + 0.5), 0);
+    if (a->renewed[pixel] > 0) return fmax(floor(wanted + 0.5), LEAST_OF_A_SPARK);
+    return fmax(floor(wanted - a->sum->pixel[pixel].taken + 0.5), 0);
 }
 
 /// Mean number of further rays, and the noise left with them. A pixel's own error does not affect its samples, so its
@@ -88,11 +103,13 @@ static double extra_of(const allocator *a, size_t pixel, double scale)
 static void look(const allocator *a, double scale, rsv_allocation *found)
 {
     size_t pixels = (size_t)a->width * a->height;
-    double before = 2 * (double)a->sum->half_samples, rays = 0, noise = 0;
+    double rays = 0, noise = 0;
     for (size_t k = 0; k < pixels; k++) {
         double extra = extra_of(a, k, scale);
+        bool renewed = a->renewed[k] > 0;
+        double variance = (double)(renewed ? a->renewed[k] : a->own[k]);
         rays += extra;
-        noise += (double)a->own[k] * pow(before / (taken(a, k) + extra), a->fall);
+        noise += variance * rsv_variance_left(&a->sum->pixel[k], extra, renewed, a->fall);
     }
     found->mean = rays / (double)pixels;
     found->noise = noise / (double)pixels;
@@ -118,24 +135,29 @@ static double find_scale(const allocator *a, double error, double most, rsv_allo
     return found->mean > most ? low : high;
 }
 
+/// With too few rays even for sparks, these stay: the rays are for all pixels.
+static void keep_sparks(allocator *a)
+{
+    for (size_t k = 0; k < (size_t)a->width * a->height; k++)
+        a->renewed[k] = 0;
+}
+
 static void allocate(allocator *a, double error, double most, rsv_allocation *allocation)
 {
     size_t pixels = (size_t)a->width * a->height;
-    const rsv_image *const first[2] = { a->sum->half[0], a->sum->half[0] };
-    const rsv_image *const second[2] = { a->sum->half[1], a->sum->half[1] };
-    const rsv_pixel_error_desc each = { RSV_MOST_OF_A_PIXEL, 0, false };
-    rsv_pixel_error_map(first, second, each, a->own);
-    for (size_t k = 0; k < pixels; k++)
-        a->own[k] *= 0.25f; // of the mean of both
     find_errors(a);
     look(a, 0, allocation);
+    if (allocation->mean > most) {
+        keep_sparks(a);
+        look(a, 0, allocation);
+    }
     double scale = allocation->noise <= error ? 0 : find_scale(a, error, most, allocation);
     look(a, scale, allocation);
     for (size_t k = 0; k < pixels; k++)
         allocation->extra[k] = (uint32_t)extra_of(a, k, scale);
 }
 
-rsv_status rsv_allocate_samples(rsv_context *context, const rsv_sample_sum *sum, double fall,
+rsv_status rsv_allocate_samples(rsv_context *context, rsv_sample_sum *sum, double fall,
     double error, double most, rsv_allocation *allocation)
 {
     allocator a = { .sum = sum,
@@ -143,25 +165,32 @@ rsv_status rsv_allocate_samples(rsv_context *context, const rsv_sample_sum *sum,
         .height = rsv_image_height(sum->mean),
         .fall = fall };
     size_t pixels = (size_t)a.width * a.height;
-    rsv_status status = RSV_ERROR_MEMORY;
-    *allocation = (rsv_allocation){ 0 };
+    *allocation = (rsv_allocation){ .fall = fall };
+    rsv_status status = rsv_sample_sum_part(context, sum, fall);
     allocation->extra = rsv_alloc(context, pixels, sizeof *allocation->extra);
+    a.renewed = allocation->renewed = rsv_alloc(context, pixels, sizeof *a.renewed);
     a.own = rsv_alloc(context, pixels, sizeof *a.own);
-    a.error = rsv_alloc(context, pixels, sizeof *a.error);
     a.worth = rsv_alloc(context, pixels, sizeof *a.worth);
-    if (allocation->extra && a.own && a.error && a.worth) {
-        allocate(&a, error, most, allocation);
-        status = RSV_OK;
-    }
+    if (!allocation->extra || !a.own || !a.renewed || !a.worth) status = RSV_ERROR_MEMORY;
+    if (status == RSV_OK) allocate(&a, error, most, allocation);
     rsv_free(context, a.own);
-    rsv_free(context, a.error);
     rsv_free(context, a.worth);
     if (status != RSV_OK) rsv_allocation_clear(context, allocation);
     return status;
 }
 
+double rsv_uneven_noise(const rsv_sample_sum *sum)
+{
+    size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
+    double noise = 0;
+    for (size_t k = 0; k < pixels; k++)
+        noise += (double)sum->pixel[k].variance * (double)sum->pixel[k].left;
+    return noise / (double)pixels;
+}
+
 void rsv_allocation_clear(rsv_context *context, rsv_allocation *allocation)
 {
     rsv_free(context, allocation->extra);
+    rsv_free(context, allocation->renewed);
     *allocation = (rsv_allocation){ 0 };
 }

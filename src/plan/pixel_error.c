@@ -5,11 +5,6 @@
 /// Pixels on either side over which brightness is averaged, and the part of the picture's that counts as the least.
 #define NEIGHBOURHOOD 2
 #define FLOOR 0.01
-/// After averaging over squares of side w, such errors decrease about as w^-p: p = 0 if they are uniform, 1 along
-/// lines, 2 at points. Until an estimate determines it, p has this usual value (two-rooms 0.5, modern hall 0.1).
-#define USUAL_DECAY 0.3
-#define MOST_DECAY 2.0
-
 typedef struct four_pictures {
     const rsv_rgb *a[2], *b[2];
     int width, height;
@@ -39,13 +34,6 @@ static void add_light(const four_pictures *p, size_t pixel, sum3 *sum)
     sum->count++;
 }
 
-/// Adds a - b of one pair.
-static void add_difference(const four_pictures *p, int pair, size_t pixel, sum3 *sum)
-{
-    add(sum, rgb_sub(p->a[pair][pixel], p->b[pair][pixel]), 1);
-    sum->count++;
-}
-
 /// The part of the picture around a pixel.
 typedef struct window {
     int left, right, top, bottom; ///< inclusive
@@ -67,32 +55,34 @@ static sum3 local_light(const four_pictures *p, int x, int y)
     return sum;
 }
 
-static sum3 local_difference(const four_pictures *p, int pair, int x, int y)
+/// a - b of one pair.
+static sum3 difference_at(const four_pictures *p, int pair, int x, int y)
 {
-    window w = around(p, x, y, (int)p->desc.around);
-    sum3 sum = { .count = 0 };
-    for (int j = w.top; j <= w.bottom; j++)
-        for (int i = w.left; i <= w.right; i++)
-            add_difference(p, pair, (size_t)j * p->width + i, &sum);
-    return sum;
+    size_t pixel = (size_t)y * p->width + x;
+    sum3 difference = { .count = 1 };
+    add(&difference, rgb_sub(p->a[pair][pixel], p->b[pair][pixel]), 1);
+    return difference;
 }
 
-/// Mean over the channels, each relative to its surroundings, as in rsv_image_judge.
-static double error_at(const four_pictures *p, int x, int y)
+/// Mean over the channels of a product, each relative to its surroundings, as in rsv_image_judge.
+static double relative(
+    const four_pictures *p, const sum3 *first, const sum3 *second, const sum3 *light)
 {
-    sum3 first = local_difference(p, 0, x, y), second = local_difference(p, 1, x, y);
-    sum3 light = local_light(p, x, y);
-    double error = 0, pairs = first.count * second.count;
+    double error = 0;
     for (int c = 0; c < 3; c++) {
-        double product = first.of[c] * second.of[c] / pairs, mean = light.of[c] / light.count;
+        double product = first->of[c] * second->of[c], mean = light->of[c] / light->count;
         if (product != 0) error += product / (3 * (mean * mean + p->floor)); // 0 where all is black
     }
-    return fmax(fmin(error, p->desc.most), -p->desc.most);
+    return error;
 }
 
-/// Factor of the standard error of a mean over all pixels, due to overlapping squares of this side: products of two
-/// means correlate by the square of their overlap.
-static double overlap(double edge) { return (2 * edge * edge + 1) / (3 * edge); }
+static double error_at(const four_pictures *p, int x, int y)
+{
+    sum3 first = difference_at(p, 0, x, y), second = difference_at(p, 1, x, y);
+    sum3 light = local_light(p, x, y);
+    double error = relative(p, &first, &second, &light);
+    return fmax(fmin(error, p->desc.most), -p->desc.most);
+}
 
 static four_pictures begin(
     const rsv_image *const a[2], const rsv_image *const b[2], rsv_pixel_error_desc desc)
@@ -112,43 +102,57 @@ static four_pictures begin(
     return p;
 }
 
-void rsv_pixel_error_map(
-    const rsv_image *const a[2], const rsv_image *const b[2], rsv_pixel_error_desc desc, float *map)
+static rsv_rgb lower(rsv_rgb a, rsv_rgb b)
 {
-    four_pictures p = begin(a, b, desc);
+    return rgb(f_min(a.r, b.r), f_min(a.g, b.g), f_min(a.b, b.b));
+}
+
+/// Mean of a picture around a pixel, which counts with the lower of two values.
+static sum3 light_beside(const four_pictures *p, int x, int y)
+{
+    window w = around(p, x, y, NEIGHBOURHOOD);
+    size_t pixel = (size_t)y * p->width + x;
+    sum3 sum = { .count = 0 };
+    for (int j = w.top; j <= w.bottom; j++)
+        for (int i = w.left; i <= w.right; i++) {
+            add(&sum, p->a[0][(size_t)j * p->width + i], 1);
+            sum.count++;
+        }
+    add(&sum, p->a[0][pixel], -1);
+    add(&sum, lower(p->b[0][pixel], p->b[1][pixel]), 1);
+    return sum;
+}
+
+static double square_at(const four_pictures *p, int x, int y)
+{
+    size_t pixel = (size_t)y * p->width + x;
+    sum3 difference = { .count = 1 }, light = light_beside(p, x, y);
+    add(&difference, rgb_sub(p->b[0][pixel], p->b[1][pixel]), 1);
+    return relative(p, &difference, &difference, &light);
+}
+
+void rsv_pixel_squares(const rsv_image *mean, const rsv_image *a, const rsv_image *b, float *map)
+{
+    const rsv_image *const light[2] = { mean, mean }, *const pair[2] = { a, b };
+    four_pictures p = begin(light, pair, (rsv_pixel_error_desc){ .by_a = true });
     for (int y = 0; y < p.height; y++)
         for (int x = 0; x < p.width; x++)
-            map[(size_t)y * p.width + x] = (float)error_at(&p, x, y);
+            map[(size_t)y * p.width + x] = (float)square_at(&p, x, y);
 }
 
 double rsv_pixel_error(const rsv_image *const a[2], const rsv_image *const b[2],
     rsv_pixel_error_desc desc, double *uncertainty)
 {
     four_pictures p = begin(a, b, desc);
-    double count = (double)p.width * p.height, sum = 0, squares = 0;
+    double count = 0, sum = 0, squares = 0;
     for (int y = 0; y < p.height; y++)
         for (int x = 0; x < p.width; x++) {
+            if (desc.spots && desc.spots[(size_t)y * p.width + x] == 0) continue;
+            count++;
             double error = error_at(&p, x, y);
             sum += error;
             squares += error * error;
         }
-    *uncertainty = sqrt(fmax(squares / count - sum * sum / count / count, 0) / count) *
-                   overlap(2.0 * desc.around + 1);
+    *uncertainty = sqrt(fmax(squares / count - sum * sum / count / count, 0) / count);
     return sum / count;
-}
-
-static double edge_of(rsv_pixel_error_desc desc) { return 2.0 * desc.around + 1; }
-
-double rsv_pixel_error_averaged_away(const rsv_image *const stored[2],
-    const rsv_image *const truth[2], rsv_pixel_error_desc desc, double error, double uncertainty)
-{
-    double decay = USUAL_DECAY, unused, edge = edge_of(desc);
-    if (desc.around > 1 && error > 0) {
-        desc.around--;
-        double finer = rsv_pixel_error(stored, truth, desc, &unused);
-        double found = log(fmax(finer / error, 1)) / log(edge / edge_of(desc));
-        double certain = error * error / (error * error + uncertainty * uncertainty);
-        decay += certain * (fmin(found, MOST_DECAY) - decay);
-    }
-    return pow(edge, decay);
 }

@@ -1,9 +1,11 @@
 /// Plans by error. Everything follows from the picture's size, the target error and the pilots. No clock is read, so a
 /// plan is the same on every machine.
 #include "../core/descriptor.h"
+#include "../core/sampling.h"
 #include "../scene/scene.h"
 #include "pixel_error.h"
 #include "planner.h"
+#include "spots.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,9 +46,11 @@
 /// Fraction of the target error for elements. The noise of samples may always use this fraction, because samples are
 /// cheaper than elements.
 #define ELEMENTS_SHARE 0.75
-#define LEAST_NOISE_SHARE 0.25
-/// Fraction that elements are assumed to use if their error is not estimated (cornell-blocks: 0.12 to 0.17).
-#define UNSEEN_ELEMENTS_SHARE 0.2
+#define LEAST_NOISE_SHARE 0.2
+/// Fraction of the target error that elements usually cause, and its standard deviation: 0.1 in cornell-blocks, 0.3 in
+/// the modern hall, 1 in the staircase and the white room. Estimates count as far as they are more certain.
+#define USUAL_ELEMENTS_SHARE 0.3
+#define ELEMENTS_SHARE_SPREAD 0.5
 /// Cost of a camera ray with a gather ray, and of one without, in rays of rows, all included. Measured in the white
 /// room and the Japanese classroom: 0.6 to 1.7 us for a ray of rows, 13 and 9 us for a camera ray.
 #define GATHERED_COST 20.0
@@ -54,6 +58,10 @@
 /// Fraction of the error of elements that gather rays leave, because only the first order of indirect light is
 /// gathered. In cornell-blocks with 40 elements, 0.0015 is left; in two-rooms at draft, 0.0013 of 0.009.
 #define GATHERED_LEFT 0.2
+/// The light that gather rays come to has a part of the same error, so that stored light differs less from gathered
+/// light than from the truth. Relative MSE, stored against gathered and against the path tracer: gallery 0.0021 and
+/// 0.0035, two-rooms 0.0095 and 0.0148, hall 0.0038 and 0.0060, staircase 0.0125 and 0.0174.
+#define BEYOND_GATHERING 1.5
 /// A finer solution has so many times the elements as its error is too large, times REFINED_BY, within these limits. Its
 /// rows have twice the rays if the error is too large by more than RAYS_EXCESS. In the Japanese classroom, three times
 /// the elements with the same rays left a fifth of the error; a third round of pilots on top of that took 2.5 times the
@@ -63,19 +71,22 @@
 #define REFINED_BY 1.5
 #define RAYS_EXCESS 3.0
 #define LEAST_PROGRESS 0.8
+#define STUCK_RAYS 4
 #define MOST_ROUNDS 3
-/// The error of elements is estimated by gathering at the first camera rays, and at more if that leaves more than
-/// DOUBTFUL_SHARE of the target error uncertain: up to MOST_LOOKS per pixel in each of two passes, or this part of the
-/// samples if that is more. It is not estimated for targets above GENEROUS, because that would take longer than the
-/// picture. Measured: studio at 5 %, 17 samples per pixel: two estimates with 8 took 40 % of the whole.
-#define LOOKS_SHARE 8
-#define MOST_LOOKS 4
-#define DOUBTFUL_SHARE 0.25
+/// Targets above this begin with one camera ray in each half, others with two.
 #define GENEROUS (2 * USUAL_ERROR)
+/// The error of elements is estimated at SPOTS pixels with FIRST_RAYS gather rays each. If that leaves more than
+/// DOUBTFUL_SHARE of the target error uncertain, more rays follow at as many others, for up to LOOK_SHARE of the cost of
+/// rows and samples. GATHER_RAY_COST is that of a gather ray alone, like GATHERED_COST.
+#define SPOTS 800
+#define FIRST_RAYS 32
+#define LOOK_SHARE 0.3
+#define GATHER_RAY_COST (GATHERED_COST - SAMPLE_COST)
+#define DOUBTFUL_SHARE 0.25
 #define MOST_SAMPLES 4096
-/// Maximum weight of one place in an estimate of elements, and maximum number of pixels over which it is averaged.
-#define MOST_OF_A_PLACE 4
-#define MOST_AROUND 2
+/// Passes where the picture is noisy, and how far noise may exceed what is allowed after the first.
+#define MOST_PASSES 8
+#define RETAKE 1.1
 /// Estimates that exceed the target by less than this count as reaching it.
 #define TOLERANCE 1.15
 
@@ -123,7 +134,9 @@ static rsv_status take(rsv_planner *p, uint32_t samples, const uint32_t *count, 
         return rsv_render_reference(p->scene, &desc, image, NULL);
     rsv_status status = RSV_OK;
     if (!p->series) status = rsv_picture_series_create(p->light, &desc, &p->series);
-    return status == RSV_OK ? rsv_picture_series_take(p->series, &desc, count, image) : status;
+    if (status != RSV_OK) return status;
+    return desc.gather_rays ? rsv_picture_series_take_gathered(p->series, &desc, count, image)
+                            : rsv_picture_series_take(p->series, &desc, count, image);
 }
 
 rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
@@ -133,14 +146,32 @@ rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
     return status == RSV_OK ? rsv_sample_sum_add(p->context, &p->sum, samples, pass) : status;
 }
 
+/// One pass of an allocated pair.
+static rsv_status take_half(
+    rsv_planner *p, const rsv_allocation *allocation, int half, uint32_t *count, rsv_image **image)
+{
+    size_t pixels = (size_t)p->picture.width * p->picture.height;
+    for (size_t k = 0; k < pixels; k++)
+        count[k] = rsv_uneven_half(allocation->extra[k], half);
+    return take(p, (uint32_t)fmax(allocation->mean / 2 + 0.5, 1), count, image);
+}
+
 rsv_status rsv_planner_take_allocated(rsv_planner *p, const rsv_allocation *allocation)
 {
-    rsv_image *pass = NULL;
-    uint32_t samples = (uint32_t)fmax(allocation->mean + 0.5, 1);
-    rsv_status status = take(p, samples, allocation->extra, &pass);
-    if (status == RSV_OK)
-        status = rsv_sample_sum_add_uneven(p->context, &p->sum, allocation->extra, pass);
-    if (status == RSV_OK) p->plan.noise = allocation->noise;
+    size_t pixels = (size_t)p->picture.width * p->picture.height;
+    rsv_image *pass[2] = { NULL, NULL };
+    uint32_t *count = rsv_alloc(p->context, pixels, sizeof *count);
+    rsv_status status = count ? RSV_OK : RSV_ERROR_MEMORY;
+    for (int half = 0; half < 2 && status == RSV_OK; half++)
+        status = take_half(p, allocation, half, count, &pass[half]);
+    rsv_free(p->context, count);
+    if (status == RSV_OK) {
+        const rsv_uneven_pair pair = { allocation->extra, allocation->renewed, allocation->fall };
+        status = rsv_sample_sum_add_uneven(p->context, &p->sum, &pair, pass);
+    } else {
+        rsv_image_destroy(pass[0]);
+    }
+    if (status == RSV_OK) p->plan.noise = rsv_uneven_noise(&p->sum);
     return status;
 }
 
@@ -202,6 +233,8 @@ typedef struct refinement {
 static refinement next_refinement(const rsv_planner *p)
 {
     double excess = p->plan.elements_error / (ELEMENTS_SHARE * p->wanted);
+    if (p->is_stuck)
+        return (refinement){ 1, p->solve.rays_per_element < MOST_RAYS ? STUCK_RAYS : 1 };
     bool needs_rays = excess > RAYS_EXCESS && p->solve.rays_per_element < MOST_RAYS;
     return (refinement){ fmin(fmax(REFINED_BY * excess, LEAST_REFINEMENT), MOST_REFINEMENT),
         needs_rays ? 2 : 1 };
@@ -212,32 +245,11 @@ static void choose_finer(rsv_planner *p)
     refinement next = next_refinement(p);
     p->solve.element_target =
         (uint32_t)fmin((double)p->solve.element_target * next.elements, MOST_ELEMENTS);
-    p->solve.rays_per_element *= next.rays;
+    p->solve.rays_per_element = (uint32_t)fmin(p->solve.rays_per_element * next.rays, MOST_RAYS);
     p->solve.photon_count = (uint32_t)fmin(2.0 * p->solve.photon_count, MOST_PHOTONS);
     p->solve.contact_share = fminf(2 * p->solve.contact_share, 1);
     if (!p->picture.viewpoint && p->picture.film.projection == RSV_PROJECTION_CAMERA)
         p->solve.goal_camera = p->picture.camera;
-}
-
-/// Errors of elements extend over areas of their own size. One gather ray per pixel mostly misses a small bright
-/// caustic, and its few hits outweigh everything else, so averages must include a few of them in most places.
-static rsv_pixel_error_desc about_elements(const rsv_planner *p)
-{
-    double pixels = (double)p->picture.width * p->picture.height;
-    double edge = sqrt(pixels / p->solve.element_target);
-    return (rsv_pixel_error_desc){ MOST_OF_A_PLACE, (uint32_t)fmin(fmax(edge / 2, 1), MOST_AROUND),
-        true };
-}
-
-/// Two more passes, one for each half of the sum.
-static rsv_status take_pair(rsv_planner *p, uint32_t samples, rsv_sample_sum *sum)
-{
-    rsv_image *pass[2] = { NULL, NULL };
-    rsv_status status = take(p, samples, NULL, &pass[0]);
-    if (status == RSV_OK) status = take(p, samples, NULL, &pass[1]);
-    if (status == RSV_OK) return rsv_sample_sum_add_pair(p->context, sum, samples, pass);
-    rsv_image_destroy(pass[0]);
-    return status;
 }
 
 /// Two passes, which show the noise.
@@ -245,42 +257,85 @@ static rsv_status take_first(rsv_planner *p)
 {
     uint32_t samples = p->wanted > GENEROUS ? 1 : 2;
     rsv_sample_sum_clear(p->context, &p->sum);
-    rsv_status status = take_pair(p, samples, &p->sum);
+    rsv_status status = rsv_planner_take(p, samples);
+    if (status == RSV_OK) status = rsv_planner_take(p, samples);
     if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     return status;
 }
 
-/// Repeats two passes with a gather ray per camera ray. All other random numbers are the same, so that edges,
-/// highlights and shadows add no noise to the differences. @param number of the first of them
-static rsv_status take_gathered(rsv_planner *p, uint32_t number, uint32_t samples)
+/// What one look at the elements finds.
+typedef struct elements_look {
+    double error, uncertainty; ///< relative MSE due to elements, and its standard error
+    double
+        gathered_noise; ///< relative MSE of the first passes, had they one gather ray per camera ray
+} elements_look;
+
+/// Repeats the last two passes at some pixels with gather rays. All other random numbers are the same, so that edges,
+/// highlights and shadows add no noise to the differences.
+static rsv_status take_spots(
+    rsv_planner *p, const uint32_t *count, uint32_t rays, rsv_image *gathered[2])
 {
     uint32_t passes = p->passes;
-    p->passes = number;
-    p->picture.gather_rays = 1;
-    rsv_status status = take_pair(p, samples, &p->gathered);
+    rsv_status status = RSV_OK;
+    p->passes -= 2;
+    p->picture.gather_rays = rays;
+    for (int k = 0; k < 2 && status == RSV_OK; k++)
+        status = take(p, p->sum.half_samples, count, &gathered[k]);
     p->picture.gather_rays = 0;
     p->passes = passes;
     return status;
 }
 
-/// Compares the two halves with those of one more gather through the solution. The difference, apart from noise, is the
-/// elements' error.
-static void compare_halves(rsv_planner *p, double *uncertainty)
+/// Relative MSE by noise of the mean of two halves, at some pixels.
+static double noise_of(const rsv_image *const half[2], const uint32_t *count)
 {
-    const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
-    const rsv_image *const truth[2] = { p->gathered.half[0], p->gathered.half[1] };
-    rsv_pixel_error_desc desc = about_elements(p);
-    double error = rsv_pixel_error(stored, truth, desc, uncertainty);
-    double factor = rsv_pixel_error_averaged_away(stored, truth, desc, error, *uncertainty);
-    p->plan.elements_error = factor * fmax(error, 0);
-    *uncertainty *= factor;
+    const rsv_image *const first[2] = { half[0], half[0] }, *const second[2] = { half[1], half[1] };
+    const rsv_pixel_error_desc desc = { RSV_MOST_OF_A_PIXEL, false, count };
+    double unused;
+    return 0.25 * rsv_pixel_error(first, second, desc, &unused);
 }
 
-/// Relative MSE by elements: as was found, or as is usual.
+/// Compares both halves with the same gathered. The difference, apart from noise, is the elements' error.
+static elements_look compare_spots(
+    const rsv_planner *p, const uint32_t *count, uint32_t rays, rsv_image *gathered[2])
+{
+    const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
+    const rsv_image *const truth[2] = { gathered[0], gathered[1] };
+    const rsv_pixel_error_desc desc = { INFINITY, true, count };
+    elements_look look;
+    look.error = rsv_pixel_error(stored, truth, desc, &look.uncertainty);
+    double looked_up = noise_of(stored, count), noise = noise_of(truth, count);
+    look.gathered_noise = looked_up + rays * fmax(noise - looked_up, 0);
+    return look;
+}
+
+/// @param rays per camera ray @param number of the look
+static rsv_status look_at_elements(
+    rsv_planner *p, uint32_t rays, uint32_t number, elements_look *look)
+{
+    uint32_t width = p->picture.width, height = p->picture.height;
+    rsv_image *gathered[2] = { NULL, NULL };
+    uint32_t *count = rsv_alloc(p->context, (size_t)width * height, sizeof *count);
+    rsv_status status = count ? RSV_OK : RSV_ERROR_MEMORY;
+    if (status == RSV_OK) {
+        rsv_choose_spots(
+            width, height, SPOTS, rsv_hash2(p->picture.seed, number), p->sum.half_samples, count);
+        status = take_spots(p, count, rays, gathered);
+    }
+    if (status == RSV_OK) *look = compare_spots(p, count, rays, gathered);
+    rsv_free(p->context, count);
+    rsv_image_destroy(gathered[0]);
+    rsv_image_destroy(gathered[1]);
+    return status;
+}
+
+/// Relative MSE by elements: as was found, as far as that is certain, otherwise as is usual.
 static double known_elements_error(const rsv_planner *p)
 {
-    double found = p->plan.elements_error;
-    return isnan(found) ? UNSEEN_ELEMENTS_SHARE * p->wanted : found;
+    double found = p->plan.elements_error, usual = USUAL_ELEMENTS_SHARE * p->wanted;
+    double spread = ELEMENTS_SHARE_SPREAD * p->wanted;
+    double certain = spread * spread / (spread * spread + p->uncertainty * p->uncertainty);
+    return fmax(usual + certain * (found - usual), 0);
 }
 
 /// Relative MSE that is left for the noise of samples.
@@ -295,53 +350,67 @@ static uint32_t samples_needed(const rsv_planner *p)
         p->plan.noise / noise_allowed(p), p->sum.samples, fall_of(p), MOST_SAMPLES);
 }
 
-/// Estimates the error of elements, more accurately if that does not decide whether they are good enough.
-static rsv_status judge_elements(rsv_planner *p, double *uncertainty)
+/// Gather rays per camera ray that one look may take.
+static uint32_t most_rays(const rsv_planner *p)
 {
-    uint32_t taken = p->sum.half_samples, number = p->passes;
-    rsv_sample_sum_clear(p->context, &p->gathered);
-    rsv_status status = take_gathered(p, number - 2, taken);
+    double pixels = (double)p->picture.width * p->picture.height, spots = fmin(SPOTS, pixels);
+    double cost =
+        (double)rsv_light_report(p->light)->row_rays + samples_needed(p) * pixels * SAMPLE_COST;
+    double rays = LOOK_SHARE * cost / (2 * spots * p->sum.half_samples * GATHER_RAY_COST);
+    return (uint32_t)fmin(fmax(rays, FIRST_RAYS), MOST_RAYS);
+}
+
+/// Estimates the error of elements, more accurately if that does not decide whether they are good enough.
+static rsv_status judge_elements(rsv_planner *p)
+{
+    elements_look look, further;
+    rsv_status status = look_at_elements(p, FIRST_RAYS, 0, &look);
     if (status != RSV_OK) return status;
-    compare_halves(p, uncertainty);
-    double doubt = *uncertainty / (DOUBTFUL_SHARE * p->wanted);
-    double most = fmax(MOST_LOOKS, samples_needed(p) / LOOKS_SHARE);
-    uint32_t samples = (uint32_t)fmin(ceil(doubt * taken), most);
-    if (samples <= taken) return RSV_OK;
-    status = take_pair(p, samples - taken, &p->sum);
-    if (status == RSV_OK) status = take_gathered(p, number, samples - taken);
-    if (status != RSV_OK) return status;
-    p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
-    compare_halves(p, uncertainty);
+    double doubt = BEYOND_GATHERING * look.uncertainty / (DOUBTFUL_SHARE * p->wanted);
+    uint32_t rays = (uint32_t)fmin(ceil(FIRST_RAYS * doubt), most_rays(p));
+    if (rays > FIRST_RAYS) {
+        status = look_at_elements(p, rays, 1, &further);
+        if (status != RSV_OK) return status;
+        double share = (double)rays / (rays + FIRST_RAYS);
+        look.error += share * (further.error - look.error);
+        look.uncertainty = hypot((1 - share) * look.uncertainty, share * further.uncertainty);
+        look.gathered_noise = further.gathered_noise;
+    }
+    p->plan.elements_error = BEYOND_GATHERING * fmax(look.error, 0);
+    p->uncertainty = BEYOND_GATHERING * look.uncertainty;
+    p->gathered_noise = look.gathered_noise;
     return RSV_OK;
+}
+
+/// Whether the elements err too much, probably or by more than chance.
+static bool elements_limit(const rsv_planner *p)
+{
+    double least = p->plan.elements_error - p->uncertainty;
+    return fmax(known_elements_error(p), least) > ELEMENTS_SHARE * p->wanted;
 }
 
 /// Whether gather rays reach the target error sooner than a finer solution, or are the only way.
 static bool is_gathering_better(const rsv_planner *p, bool is_last)
 {
     double pixels = (double)p->picture.width * p->picture.height;
-    double noise = rsv_sample_sum_noise(&p->gathered, RSV_GATHERED_FALL);
-    uint32_t taken = p->gathered.samples;
-    uint32_t gathered = rsv_samples_for(noise / p->wanted, taken, RSV_GATHERED_FALL, MOST_SAMPLES);
+    uint32_t gathered = rsv_samples_for(
+        p->gathered_noise / p->wanted, p->sum.samples, RSV_GATHERED_FALL, MOST_SAMPLES);
     if (is_last) return gathered < MOST_SAMPLES;
     uint32_t looked_up = rsv_samples_for(
         p->plan.noise / p->wanted, p->sum.samples, RSV_STRATIFIED_FALL, MOST_SAMPLES);
     refinement next = next_refinement(p);
     double rows = next.elements * next.rays * (double)rsv_light_report(p->light)->row_rays;
-    double further = gathered > taken ? (double)(gathered - taken) : 0;
-    return further * GATHERED_COST * pixels < rows + (double)looked_up * SAMPLE_COST * pixels;
+    return gathered * GATHERED_COST * pixels < rows + (double)looked_up * SAMPLE_COST * pixels;
 }
 
-/// The look at elements becomes the picture.
-static void begin_gathering(rsv_planner *p)
+/// The picture begins again, with gather rays.
+static rsv_status begin_gathering(rsv_planner *p)
 {
-    rsv_sample_sum_clear(p->context, &p->sum);
-    p->sum = p->gathered;
-    p->gathered = (rsv_sample_sum){ 0 };
     p->picture.gather_rays = 1;
     p->plan.gathers = true;
-    p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     p->plan.elements_error *= GATHERED_LEFT;
     p->uncertainty *= GATHERED_LEFT;
+    return take_first(p);
 }
 
 /// Refines elements while they limit the picture, it helps, and gather rays would take longer.
@@ -352,13 +421,12 @@ static rsv_status find_solution(rsv_planner *p)
     while (status == RSV_OK) {
         p->plan.elements_error = NAN;
         status = take_first(p);
-        if (status != RSV_OK || p->wanted > GENEROUS) break;
-        status = judge_elements(p, &p->uncertainty);
-        double least = p->plan.elements_error - p->uncertainty; // more than chance
-        if (status != RSV_OK || least <= ELEMENTS_SHARE * p->wanted) break;
-        bool is_last = p->is_given || p->plan.rounds >= MOST_ROUNDS ||
-                       p->plan.elements_error > LEAST_PROGRESS * before;
-        if (is_gathering_better(p, is_last)) begin_gathering(p);
+        if (status == RSV_OK) status = judge_elements(p);
+        if (status != RSV_OK || !elements_limit(p)) break;
+        bool was_stuck = p->is_stuck;
+        p->is_stuck = p->plan.elements_error > LEAST_PROGRESS * before;
+        bool is_last = p->is_given || p->plan.rounds >= MOST_ROUNDS || (was_stuck && p->is_stuck);
+        if (is_gathering_better(p, is_last)) status = begin_gathering(p);
         if (is_last || p->plan.gathers) break;
         before = p->plan.elements_error;
         choose_finer(p);
@@ -379,9 +447,9 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
         snprintf(elements, sizeof elements, ", of which %s%.2g %% is due to elements",
             plan->elements_error < least ? "less than " : "",
             100 * sqrt(fmax(plan->elements_error, least)));
-    // direct light is the pixels' own: such elements hold caustics, which a look takes from them too
-    const char *unknown =
-        report->direct_elements ? "; the error of stored caustics is not known" : "";
+    const char *unknown = rsv_picture_series_keeps_caustics(p->series)
+                              ? "; the error of stored caustics is not known"
+                              : "";
     rsv_log(p->context, RSV_LOG_INFO,
         "plan: %zu rows%s%s and %u camera rays per pixel%s for a relative error of %.2g "
         "%%%s%s",
@@ -399,21 +467,34 @@ static void say_what_is_missing(const rsv_planner *p)
         100 * sqrt(p->plan.noise));
 }
 
+/// Samples where the picture is noisy, until the noise found, not just that predicted, is as low as allowed.
+static rsv_status take_passes(rsv_planner *p)
+{
+    rsv_status status = RSV_OK;
+    double left = MOST_SAMPLES;
+    for (int pass = 0; pass < MOST_PASSES && status == RSV_OK && left > 0; pass++) {
+        rsv_allocation allocation = { 0 };
+        double allowed = noise_allowed(p) * (pass == 0 ? 1 : RETAKE);
+        status = rsv_allocate_samples(p->context, &p->sum, fall_of(p), allowed, left, &allocation);
+        if (status == RSV_OK && pass == 0)
+            say_plan(p, p->sum.samples + (uint32_t)(allocation.mean + 0.5));
+        if (status == RSV_OK) p->plan.noise = rsv_uneven_noise(&p->sum);
+        left = allocation.mean > 0 ? left - allocation.mean : 0;
+        if (status == RSV_OK && allocation.mean > 0)
+            status = rsv_planner_take_allocated(p, &allocation);
+        rsv_allocation_clear(p->context, &allocation);
+    }
+    return status;
+}
+
 static rsv_status run_to_error(rsv_planner *p)
 {
-    rsv_status status;
-    rsv_allocation allocation = { 0 };
     choose_elements(p);
-    RSV_TRY(find_solution(p));
-    RSV_TRY(rsv_allocate_samples(
-        p->context, &p->sum, fall_of(p), noise_allowed(p), MOST_SAMPLES, &allocation));
-    say_plan(p, p->sum.samples + (uint32_t)(allocation.mean + 0.5));
-    if (allocation.mean > 0) RSV_TRY(rsv_planner_take_allocated(p, &allocation));
+    rsv_status status = find_solution(p);
+    if (status == RSV_OK) status = take_passes(p);
     double error = known_elements_error(p) + p->plan.noise;
     p->plan.is_reached = error <= TOLERANCE * TOLERANCE * p->wanted;
-    if (!p->plan.is_reached) say_what_is_missing(p);
-cleanup:
-    rsv_allocation_clear(p->context, &allocation);
+    if (status == RSV_OK && !p->plan.is_reached) say_what_is_missing(p);
     return status;
 }
 
@@ -481,6 +562,5 @@ rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
         rsv_light_destroy(p.light);
     }
     rsv_sample_sum_clear(p.context, &p.sum);
-    rsv_sample_sum_clear(p.context, &p.gathered);
     return status;
 }

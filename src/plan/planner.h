@@ -20,8 +20,9 @@ typedef struct rsv_planner {
     double uncertainty;         ///< standard error of plan.elements_error
     uint32_t passes;
     rsv_sample_sum sum;
-    rsv_sample_sum
-        gathered; ///< passes with one gather ray per camera ray: the last look at elements
+    bool is_stuck; ///< the last solution has not helped
+    double
+        gathered_noise; ///< relative MSE of the first passes, had they one gather ray per camera ray
     rsv_picture_plan plan;
 } rsv_planner;
 

@@ -47,60 +47,103 @@ rsv_status rsv_sample_sum_add(
     return status;
 }
 
-rsv_status rsv_sample_sum_add_pair(
-    rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass[2])
+rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double fall)
 {
-    RSV_ASSERT(!sum->taken);
-    if (sum->half[1]) {
-        sum->half_samples += samples;
-        for (int k = 0; k < 2; k++)
-            mix(sum->half[k], pass[k], (float)samples / (float)sum->half_samples);
-    }
-    rsv_status first = rsv_sample_sum_add(context, sum, samples, pass[0]);
-    rsv_status second = rsv_sample_sum_add(context, sum, samples, pass[1]);
-    return first != RSV_OK ? first : second;
+    size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
+    double of_half = pow(sum->half_samples, -fall);
+    double more = (double)sum->samples / (2 * (double)sum->half_samples);
+    if (sum->pixel) return RSV_OK;
+    float *square = rsv_alloc(context, pixels, sizeof *square);
+    sum->pixel = rsv_alloc(context, pixels, sizeof *sum->pixel);
+    rsv_status status = square && sum->pixel ? RSV_OK : RSV_ERROR_MEMORY;
+    if (status == RSV_OK) rsv_pixel_squares(sum->mean, sum->half[0], sum->half[1], square);
+    for (size_t k = 0; status == RSV_OK && k < pixels; k++)
+        sum->pixel[k] = (rsv_summed_pixel){ sum->samples, 2 * sum->half_samples,
+            (float)(0.5 * square[k] / of_half), (float)(0.5 * of_half * pow(more, -fall)) };
+    rsv_free(context, square);
+    return status;
 }
 
-/// Each pixel by the samples that it has.
-static void mix_uneven(const rsv_sample_sum *sum, const uint32_t *count, const rsv_image *pass)
+double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewed, double fall)
+{
+    if (more == 0) return pixel->left;
+    double share = renewed ? 1 : more / (pixel->taken + more);
+    double of_pair = more < 2 ? 1 : 2 * pow(0.5 * more, -fall) / 4;
+    return (1 - share) * (1 - share) * (double)pixel->left + share * share * of_pair;
+}
+
+/// @param square relative difference of the two passes
+static void count_samples(
+    rsv_summed_pixel *pixel, uint32_t more, float square, float renewed, double fall)
+{
+    double left = rsv_variance_left(pixel, more, renewed > 0, fall);
+    if (renewed > 0) *pixel = (rsv_summed_pixel){ .variance = renewed };
+    pixel->taken += more;
+    pixel->left = (float)left;
+    if (more < 2) return;
+    double scale = pow(rsv_uneven_half(more, 0), -fall) + pow(rsv_uneven_half(more, 1), -fall);
+    float share = (float)more / (float)(pixel->looks += more);
+    pixel->variance += share * ((float)(square / scale) - pixel->variance);
+}
+
+/// One of the two passes, by the samples that each pixel has. @param before [pixels] of these
+static void mix_uneven(rsv_image *mean, const rsv_uneven_pair *uneven, int half,
+    const rsv_image *pass, uint32_t *before)
 {
     size_t pixels = (size_t)rsv_image_width(pass) * rsv_image_height(pass);
     for (uint32_t layer = 0; layer < rsv_image_layer_count(pass); layer++) {
-        rsv_rgb *to = rsv_image_pixels(sum->mean, layer);
+        rsv_rgb *to = rsv_image_pixels(mean, layer);
         const rsv_rgb *from = rsv_image_const_pixels(pass, layer);
         for (size_t k = 0; k < pixels; k++) {
-            if (count[k] == 0) continue;
-            float share = (float)count[k] / (float)(sum->taken[k] + count[k]);
+            uint32_t count = rsv_uneven_half(uneven->count[k], half);
+            if (count == 0) continue;
+            float share = (float)count / (float)(before[k] + count);
             to[k] = rgb_mad(to[k], share, rgb_sub(from[k], to[k]));
         }
     }
+    for (size_t k = 0; k < pixels; k++)
+        before[k] += rsv_uneven_half(uneven->count[k], half);
+}
+
+static void add_pair(rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2],
+    float *square, uint32_t *before)
+{
+    size_t pixels = (size_t)rsv_image_width(pass[0]) * rsv_image_height(pass[0]);
+    uint64_t all = 0;
+    rsv_pixel_squares(sum->mean, pass[0], pass[1], square);
+    for (size_t k = 0; k < pixels; k++)
+        before[k] = uneven->renewed[k] > 0 ? 0 : sum->pixel[k].taken;
+    for (int half = 0; half < 2; half++)
+        mix_uneven(sum->mean, uneven, half, pass[half], before);
+    for (size_t k = 0; k < pixels; k++) {
+        uint32_t count = uneven->count[k];
+        if (count)
+            count_samples(&sum->pixel[k], count, square[k], uneven->renewed[k], uneven->fall);
+        all += sum->pixel[k].taken;
+    }
+    sum->samples = (uint32_t)((all + pixels / 2) / pixels);
 }
 
 rsv_status rsv_sample_sum_add_uneven(
-    rsv_context *context, rsv_sample_sum *sum, const uint32_t *count, rsv_image *pass)
+    rsv_context *context, rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2])
 {
-    size_t pixels = (size_t)rsv_image_width(pass) * rsv_image_height(pass);
-    uint64_t all = 0;
-    if (!sum->taken) {
-        sum->taken = rsv_alloc(context, pixels, sizeof *sum->taken);
-        for (size_t k = 0; sum->taken && k < pixels; k++)
-            sum->taken[k] = sum->samples;
-    }
-    if (sum->taken) {
-        mix_uneven(sum, count, pass);
-        for (size_t k = 0; k < pixels; k++)
-            all += sum->taken[k] += count[k];
-        sum->samples = (uint32_t)((all + pixels / 2) / pixels);
-    }
-    rsv_image_destroy(pass);
-    return sum->taken ? RSV_OK : RSV_ERROR_MEMORY;
+    size_t pixels = (size_t)rsv_image_width(pass[0]) * rsv_image_height(pass[0]);
+    float *square = rsv_alloc(context, pixels, sizeof *square);
+    uint32_t *before = rsv_alloc(context, pixels, sizeof *before);
+    rsv_status status = square && before ? RSV_OK : RSV_ERROR_MEMORY;
+    if (status == RSV_OK) add_pair(sum, uneven, pass, square, before);
+    rsv_free(context, square);
+    rsv_free(context, before);
+    rsv_image_destroy(pass[0]);
+    rsv_image_destroy(pass[1]);
+    return status;
 }
 
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
-    const rsv_pixel_error_desc each = { RSV_MOST_OF_A_PIXEL, 0, false };
+    const rsv_pixel_error_desc each = { .most = RSV_MOST_OF_A_PIXEL };
     double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
     return 0.25 * square * pow(more, -fall);
@@ -114,7 +157,7 @@ uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t 
 
 void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
 {
-    rsv_free(context, sum->taken);
+    rsv_free(context, sum->pixel);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);
     rsv_image_destroy(sum->half[1]);

@@ -4,30 +4,55 @@
 
 #include "resolvent/render.h"
 
-/// The first two passes have equally many samples, and so do the pairs that join them: their difference gives the
-/// noise.
+/// A pixel whose number of samples is its own.
+typedef struct rsv_summed_pixel {
+    uint32_t taken; ///< samples in its mean
+    uint32_t looks; ///< samples of passes that its variance was estimated from
+    float variance; ///< relative squared error of one sample
+    float left;     ///< part of this variance that its mean has
+} rsv_summed_pixel;
+
+/// Passes come in pairs of equally many samples: their difference gives the noise.
 typedef struct rsv_sample_sum {
     rsv_image *mean; ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2];
-    uint32_t *taken;       ///< [height * width] samples of each pixel; NULL = equally many
-    uint32_t samples;      ///< of all passes, on average
-    uint32_t half_samples; ///< of each half
+    rsv_summed_pixel *pixel; ///< [height * width]; NULL = equally many samples in all
+    uint32_t samples;        ///< of all passes, on average
+    uint32_t half_samples;   ///< of each half
 } rsv_sample_sum;
 
 /// Adds a pass, which it then owns. Its first layer is used for the noise.
 rsv_status rsv_sample_sum_add(
     rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass);
 
-/// Adds two passes of equally many samples, one to each half, as above: the first ones or, before any that is uneven,
-/// more.
-rsv_status rsv_sample_sum_add_pair(
-    rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass[2]);
+/// Makes the number of samples each pixel's own. Needs two passes; later ones must be uneven. @param fall of errors
+rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double fall);
 
-/// Adds a pass with its own number of samples for each pixel, as above. @param count [height * width]
+/// Samples of two passes that are each pixel's own.
+typedef struct rsv_uneven_pair {
+    const uint32_t *count; ///< [height * width] of both
+    /// [height * width] 0 = they join those before. Else they replace them, and this is the variance expected of one
+    const float *renewed;
+    double fall; ///< of errors
+} rsv_uneven_pair;
+
+/// Samples of one of the two passes.
+static inline uint32_t rsv_uneven_half(uint32_t count, int half)
+{
+    return (count + (uint32_t)half) / 2;
+}
+
+/// Adds such passes, as above.
 rsv_status rsv_sample_sum_add_uneven(
-    rsv_context *context, rsv_sample_sum *sum, const uint32_t *count, rsv_image *pass);
+    rsv_context *context, rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2]);
 
-/// Maximum weight of a pixel in the noise: sparks weigh as much as edges of a bright window.
+/// Part of a sample's variance that is left in a pixel's mean after a pair of passes. The earlier samples do not judge
+/// the later ones: a pixel without sparks among a few samples would seem to have none among many.
+/// @param more samples of both @param renewed without those before
+double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewed, double fall);
+
+/// Maximum weight of a pixel in the noise of pictures with equally many samples in all: sparks weigh as much as edges of
+/// a bright window, since more samples everywhere are no remedy.
 #define RSV_MOST_OF_A_PIXEL 4
 
 /// Squared errors decrease with this power of the samples. With stratified pixels, edges decrease with 1.5 and noise of

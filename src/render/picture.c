@@ -187,11 +187,10 @@ void rsv_picture_series_destroy(rsv_picture_series *s)
     rsv_free(s->job.solution->context, s);
 }
 
-rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
-    const uint32_t *count, rsv_image **image)
+/// @param job with the number of samples and what is gathered
+static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *desc,
+    rsv_picture_job job, rsv_image **image)
 {
-    rsv_picture_job job = series->job;
-    job.count = count;
     rsv_status status = check_desc(job.solution, desc);
     if (status != RSV_OK) return status;
     job.desc = desc;
@@ -206,6 +205,30 @@ rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_r
 cleanup:
     rsv_image_destroy(job.image);
     return status;
+}
+
+rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
+    const uint32_t *count, rsv_image **image)
+{
+    rsv_picture_job job = series->job;
+    job.count = count;
+    return take(series, desc, job, image);
+}
+
+rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
+    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image)
+{
+    rsv_picture_job job = series->job;
+    job.count = count;
+    job.gathers_sources = !job.setting.cross_fog;
+    return take(series, desc, job, image);
+}
+
+bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series)
+{
+    const rsv_light_view *solution = series->job.solution;
+    bool in_fog = series->job.setting.cross_fog && solution->caustics.caustic;
+    return in_fog || rsv_has_unseen_caustics(solution);
 }
 
 rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)

@@ -28,6 +28,7 @@ typedef struct rsv_picture_job {
     rsv_pixel_noise *noise; ///< [height * width] of the first pass; NULL = not needed
     const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
     uint32_t before;        ///< camera rays per pixel that are in the image already
+    bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
 } rsv_picture_job;
 
 /// Camera rays of one row, traced together.

@@ -21,4 +21,12 @@ void rsv_picture_series_destroy(rsv_picture_series *series);
 rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
     const uint32_t *count, rsv_image **image);
 
+/// The same with gather rays that bring all light of sources too that elements store, except caustics that no gather
+/// ray can find and light in fog: noisier, but without the elements' error in it.
+rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
+    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
+
+/// Whether such pictures have caustics from elements too.
+bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series);
+
 #endif

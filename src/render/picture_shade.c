@@ -2,6 +2,7 @@
 
 #include "../elements/voxels.h"
 #include "../receiver/receiver.h"
+#include "../sources/partition.h"
 #include "../specular/fog_flight.h"
 #include "fog_light.h"
 
@@ -98,6 +99,12 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t turns)
     return false;
 }
 
+static bool counts(const void *user, uint32_t triangle, uint32_t turns)
+{
+    const rsv_light_view *s = user;
+    return rsv_gathering_counts(s->lights, triangle, turns, rsv_has_unseen_caustics(s));
+}
+
 /// The same where a ray ends in the fog.
 static void add_gathered_in_fog(
     rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
@@ -122,25 +129,41 @@ static void add_gathered_in_fog(
     }
 }
 
-static rsv_gather follow_gather_ray(
-    const rsv_light_view *s, const rsv_ray *ray, const rsv_medium *medium, rsv_random *random)
+static rsv_gather follow_gather_ray(const rsv_light_view *s, const rsv_ray *ray,
+    const rsv_medium *medium, const rsv_emission_wanted *wanted, rsv_random *random)
 {
-    const rsv_emission_wanted wanted = { no_emission, NULL };
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, ray, &hit))
-        return rsv_specular_gather_beyond(&s->scene, medium, ray, random, &wanted);
+        return rsv_specular_gather_beyond(&s->scene, medium, ray, random, wanted);
     rsv_specular_path first = rsv_specular_begin(&s->scene, medium, ray->direction, hit);
-    return rsv_specular_gather(&s->scene, first, random, no_emission, NULL);
+    return rsv_specular_gather(&s->scene, first, random, wanted->filter, wanted->user);
+}
+
+/// Adds the light of sources that a gather ray has come to, of those that no other estimate counts.
+static void add_sources(rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight)
+{
+    const rsv_light_view *s = r->job->solution;
+    const rsv_specular_path *path = &gather->path;
+    rsv_rgb radiance = gather->emission;
+    if (gather->end == RSV_SPECULAR_ESCAPED)
+        radiance =
+            rgb_add(radiance, rgb_mul(path->weight, rsv_gathering_sky(s->lights, path->direction,
+                                                        path->turns, rsv_has_unseen_caustics(s))));
+    rsv_picture_add_light(r, r->column, 1, rgb_scale(rgb_mul(weight, radiance), RSV_PI));
 }
 
 /// Follows one gather ray, and adds what it finds. @param weight radiance at the camera per irradiance
 static void gather_along(rsv_picture_row *r, const rsv_ray *ray, const rsv_medium *medium,
     rsv_rgb weight, rsv_random *random)
 {
-    rsv_gather gather = follow_gather_ray(r->job->solution, ray, medium, random);
+    const rsv_light_view *s = r->job->solution;
+    const rsv_emission_wanted none = { no_emission, NULL }, sources = { counts, s };
+    rsv_gather gather =
+        follow_gather_ray(s, ray, medium, r->job->gathers_sources ? &sources : &none, random);
+    if (r->job->gathers_sources) add_sources(r, &gather, weight);
     if (gather.end == RSV_SPECULAR_DIFFUSE) add_gathered(r, &gather, weight, random);
     if (gather.end == RSV_SPECULAR_SCATTERED) add_gathered_in_fog(r, &gather, weight, random);
-    // emission on the way, also of fog and by way of fog, is in the stored light of order 0
+    // otherwise emission on the way, also of fog and by way of fog, is in the stored light of order 0
 }
 
 static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, rsv_rgb weight)
@@ -180,6 +203,16 @@ void rsv_picture_gather_in_fog(
     }
 }
 
+/// Light straight from sources as elements store it, without what shadow rays or gather rays bring.
+static rsv_rgb stored_direct(const rsv_picture_job *job, uint32_t face, float u, float v)
+{
+    const rsv_light_view *s = job->solution;
+    if (!job->gathers_sources)
+        return rsv_light_view_direct(s, face, u, v, job->desc->mode == RSV_RENDER_FINAL);
+    if (!rsv_has_unseen_caustics(s)) return rgb_gray(0);
+    return rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, u, v);
+}
+
 void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight)
 {
     rsv_picture_row *r = user;
@@ -195,7 +228,7 @@ void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight
         return;
     }
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
-    rsv_rgb stored = rsv_light_view_direct(s, face, path->u, path->v, final);
+    rsv_rgb stored = stored_direct(r->job, face, path->u, path->v);
     rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, stored));
     if (final) rsv_pixel_direct_add(&r->direct, path, weight, r->column, r->sample);
     if (final && r->job->desc->gather_rays)

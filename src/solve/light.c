@@ -330,6 +330,11 @@ rsv_rgb rsv_light_view_direct(
     return rsv_elements_interpolate(s->elements, s->source, face, u, v);
 }
 
+bool rsv_has_unseen_caustics(const rsv_light_view *s)
+{
+    return s->caustics.caustic && s->lights->punctual_count > 0;
+}
+
 rsv_rgb rsv_light_view_scattered(
     const rsv_light_view *s, uint32_t node, uint32_t order, bool skip_sampled)
 {

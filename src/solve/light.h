@@ -86,6 +86,10 @@ rsv_status rsv_light_require_parts(const rsv_light_view *light);
 rsv_rgb rsv_light_view_direct(
     const rsv_light_view *light, uint32_t face, float u, float v, bool skip_sampled);
 
+/// Whether there are caustics that no gather ray can find. Gather rays then leave all light of photons to the stored
+/// caustics.
+bool rsv_has_unseen_caustics(const rsv_light_view *light);
+
 /// Stored light of a voxel (elements/voxels.h): of order 0 (all of E0, or its gathered part), of one further order, or
 /// of all from 1 on (RSV_NONE); times the fog's albedo / pi: isotropically scattered radiance.
 /// @param skip_sampled without the part of order 0 that next-event estimation finds, which the caller samples

@@ -48,7 +48,7 @@ RSV_INLINE double rsv_angle_over_sine(double x)
     double y = x <= 0.5 ? x : 1 - x, sum = coefficient[9];
     for (int i = 8; i >= 0; i--)
         sum = sum * y + coefficient[i];
-    return x <= 0.5 ? sum : 0.5 * M_PI / sqrt(fmax(x * y, DBL_MIN)) - sum;
+    return x <= 0.5 ? sum : 0.5 * M_PI / sqrt(x * y > DBL_MIN ? x * y : DBL_MIN) - sum;
 }
 
 /// Twice one edge's term: the angle between the unit vectors a and b times the cosine between n and
@@ -57,7 +57,7 @@ RSV_INLINE double rsv_edge_term(rsv_double3 a, rsv_double3 b, rsv_double3 n)
 {
     rsv_double3 chord = d3_sub(b, a);
     double x = 0.25 * d3_dot(chord, chord);
-    return rsv_angle_over_sine(fmin(x, 1.0)) * d3_dot(n, d3_cross(a, chord));
+    return rsv_angle_over_sine(x < 1 ? x : 1) * d3_dot(n, d3_cross(a, chord));
 }
 
 /// The product of the diagonals is twice the area vector; a triangle is a quadrilateral that ends

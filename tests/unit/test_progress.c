@@ -68,11 +68,34 @@ static void parts_share_the_bar(void **state)
     }
 }
 
+/// A planned picture: a minute for the plan, ten for its samples.
+static void a_long_last_phase_is_foreseen(void **state)
+{
+    (void)state;
+    const struct {
+        const char *phase;
+        double seconds;
+    } planned[] = { { "assemble", 30 }, { "direct", 10 }, { "spectrum", 4 }, { "solve", 6 },
+        { "trial: render", 10 }, { "pass 1: render", 600 } };
+    cli_progress progress;
+    cli_progress_begin(&progress);
+    double now = progress.work_started, end = now + 660;
+    for (size_t k = 0; k < sizeof planned / sizeof *planned; k++) {
+        for (int step = 0; step <= 100; step++, now += planned[k].seconds / 101) {
+            cli_progress_update_at(&progress, planned[k].phase, step / 100.0, now);
+            bool is_foreseeable = end - now < 500 && end - now > 30;
+            if (is_foreseeable) assert_float_equal(progress.total, 660, 0.2 * 660);
+        }
+    }
+    assert_true(progress.done > 0.9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bar_goes_forward_only),
         cmocka_unit_test(parts_share_the_bar),
+        cmocka_unit_test(a_long_last_phase_is_foreseen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
