@@ -68,8 +68,8 @@ RSV_INLINE float rsv_highlight_left(
 
 /// Share of the variance of the normals of 2x2 pixels by which lobes are widened in a moving picture:
 /// highlights smaller than a pixel would be as rare as they are bright, and frames lose what is much brighter than its
-/// surroundings. At rest, each place in a pixel gets its turn instead. Of 0.25, 0.5 and 1, the first loses light of small
-/// balls in the sun, and the last errs more where normal maps bend a lamp of metal (relative MSE 0.18, 0.20, 0.28).
+/// surroundings. At rest, each place in a pixel gets its turn instead. Of 0.25, 0.5 and 1, the first loses light of
+/// small balls in the sun, and the last errs more where normal maps bend metal (relative MSE 0.18, 0.20, 0.28).
 #define RSV_PIXEL_VARIANCE 0.5f
 
 /// Sixteen pixels in a row.
