@@ -84,11 +84,12 @@ RSV_API rsv_status rsv_light_follow(
     rsv_light *light, const rsv_scene *scene, rsv_update_report *report);
 
 /// As rsv_light_follow, with a limit to the work for surfaces that move, so that a large or deforming object, such as a
-/// skinned figure, can be followed at interactive rates. Its geometry is up to date in every frame: it hides, reflects
-/// and casts shadows where it is. The light that it receives itself is computed for at most `most_triangles` of its
-/// triangles in a call; the others keep their light, which moves with them, until their turn. While triangles wait,
-/// elements are not divided where surfaces touch. At rest, call it until report.waiting_triangles is 0, and once more,
-/// as for rsv_light_follow: the light is then the same as without a limit.
+/// skinned figure, can be followed at interactive rates. Its geometry is up to date in every frame. The light that it
+/// receives itself is computed for at most `most_triangles` of its triangles in a call; the others keep their light,
+/// which moves with them, until their turn. While triangles wait, the light of what stays follows in turns, too: shadows
+/// of sources within two calls, indirect light within four, and sharper edges of shadows within eight per level of
+/// elements; and elements are not divided where surfaces touch. At rest, call it until report.waiting_triangles is 0, and
+/// once more, as for rsv_light_follow: the light is then the same as without a limit. Or call rsv_light_follow once.
 ///
 /// @param most_triangles 0 = no limit
 RSV_API rsv_status rsv_light_follow_part(

@@ -29,6 +29,7 @@ static rsv_status take_level(level_follower *f, rsv_source_level *level)
     f->b.direct = level->direct;
     f->b.deviation = level->deviation;
     f->b.valid_points = level->valid_points;
+    f->b.first_look = level->first_look;
     rsv_free(f->b.coarse->context, level->caustic);
     rsv_free(f->b.coarse->context, level->coarse_caustic);
     *level = (rsv_source_level){ .built_cells = level->built_cells };
@@ -96,26 +97,89 @@ static bool is_beside_shadow(const level_follower *f, uint32_t node)
     return false;
 }
 
+/// Light before it was sampled again.
+typedef struct light_before {
+    rsv_rgb *direct;
+    float *deviation;
+} light_before;
+
+static void free_before(const level_follower *f, light_before *before)
+{
+    rsv_free(f->b.coarse->context, before->direct);
+    rsv_free(f->b.coarse->context, before->deviation);
+}
+
+/// Prepares for going without the further rays of penumbrae.
+static rsv_status begin_haste(level_follower *f, light_before *before)
+{
+    rsv_level_builder *b = &f->b;
+    const rsv_elements *e = b->elements;
+    *before = (light_before){ NULL, NULL };
+    if (!f->motion->hasty) {
+        rsv_free(e->context, b->first_look);
+        b->first_look = NULL;
+        return RSV_OK;
+    }
+    if (!b->first_look) b->first_look = rsv_level_create_first_look(e);
+    before->direct = rsv_reserve(e->context, e->node_count, sizeof *before->direct);
+    before->deviation = rsv_reserve(e->context, e->node_count, sizeof *before->deviation);
+    if (!b->first_look || !before->direct || !before->deviation) return RSV_ERROR_MEMORY;
+    memcpy(before->direct, b->direct, e->node_count * sizeof *before->direct);
+    memcpy(before->deviation, b->deviation, e->node_count * sizeof *before->deviation);
+    return RSV_OK;
+}
+
+static bool same_light(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+/// Nodes whose first rays found what they did the last time keep what all of their rays found then.
+static void keep_unchanged(level_follower *f, const light_before *before, uint8_t *known)
+{
+    rsv_level_builder *b = &f->b;
+    if (!before->direct || !before->deviation || !b->first_look) return; // there is no haste
+    for (size_t n = 0; n < b->elements->node_count; n++) {
+        if (known[n]) continue;
+        rsv_rgb look = b->direct[n];
+        if (!f->anew[n] && same_light(look, b->first_look[n])) {
+            b->direct[n] = before->direct[n];
+            b->deviation[n] = before->deviation[n];
+            known[n] = 1;
+        }
+        b->first_look[n] = look;
+    }
+}
+
+/// Whether light is sampled again at a node where it may have changed.
+static bool has_turn(const level_follower *f, uint32_t node)
+{
+    const rsv_level_motion *m = f->motion;
+    return m->turns == 0 || f->anew[node] ||
+           rsv_elements_draw_of(f->b.elements, node) % m->turns == m->turn;
+}
+
 /// Samples light again where it may have changed, with more rays next to shadows.
 static rsv_status sample_again(level_follower *f)
 {
     rsv_level_builder *b = &f->b;
     const rsv_elements *e = b->elements;
-    rsv_status status;
+    light_before before;
     uint8_t *known = rsv_alloc(e->context, e->node_count, 1);
+    rsv_status status = begin_haste(f, &before);
+    RSV_TRY(status);
     RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
     b->kept_count = 0;
     for (uint32_t n = 0; n < e->node_count; n++) {
-        known[n] = f->anew[n] == RSV_MOVE_WAITS ||
+        known[n] = f->anew[n] == RSV_MOVE_WAITS || !has_turn(f, n) ||
                    (!f->anew[n] && !rsv_node_light_is_changed(e, n, f->changed));
         b->kept_count += known[n] && e->node_hanging[n] == RSV_NONE && b->valid_points[n];
     }
     RSV_TRY(rsv_level_estimate(b, b->desc->light_samples, known));
+    keep_unchanged(f, &before, known);
     for (uint32_t n = 0; n < e->node_count; n++)
         f->anew[n] = known[n] || !is_beside_shadow(f, n);
     RSV_TRY(rsv_level_estimate(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, f->anew));
 cleanup:
     rsv_free(e->context, known);
+    free_before(f, &before);
     return status;
 }
 
@@ -191,7 +255,8 @@ cleanup:
 static rsv_status split_cells(level_follower *f)
 {
     rsv_status status = RSV_OK;
-    for (uint32_t round = 0; round < f->b.desc->levels; round++) {
+    uint32_t rounds = f->motion->hasty ? 1 : f->b.desc->levels;
+    for (uint32_t round = 0; round < rounds; round++) {
         size_t marked;
         RSV_TRY(mark_changed(f, &marked));
         if (is_few(f, marked)) break;

@@ -37,10 +37,33 @@ static void carry_over(void *data, rsv_span span)
         b->lit[n] = 1;
         b->direct[n] = earlier->direct[twin];
         b->deviation[n] = earlier->deviation[twin];
+        if (!b->first_look) continue;
+        b->first_look[n] = earlier->first_look[twin];
+        e->node_draw[n] = rsv_elements_draw_of(earlier->elements, twin);
     }
 }
 
-static rsv_status allocate_fields(rsv_level_builder *b)
+rsv_rgb *rsv_level_create_first_look(const rsv_elements *e)
+{
+    rsv_rgb *look = rsv_reserve(e->context, e->node_count, sizeof *look);
+    for (size_t n = 0; look && n < e->node_count; n++)
+        look[n] = rgb_gray(-1);
+    return look;
+}
+
+/// Nodes that stay are to look at the same points as before.
+static rsv_status allocate_looks(rsv_level_builder *b)
+{
+    rsv_elements *e = b->elements;
+    b->first_look = rsv_level_create_first_look(e);
+    if (!e->node_draw) e->node_draw = rsv_reserve(e->context, e->node_count, sizeof *e->node_draw);
+    if (!b->first_look || !e->node_draw) return RSV_ERROR_MEMORY;
+    for (uint32_t n = 0; n < e->node_count; n++)
+        e->node_draw[n] = n;
+    return RSV_OK;
+}
+
+static rsv_status allocate_fields(rsv_level_builder *b, bool looks)
 {
     rsv_context *context = b->coarse->context;
     size_t nodes = b->elements->node_count;
@@ -49,6 +72,7 @@ static rsv_status allocate_fields(rsv_level_builder *b)
     b->lit = rsv_alloc(context, nodes, sizeof *b->lit);
     if (!b->valid_points || !b->known || !b->lit) return RSV_ERROR_MEMORY;
     if (!b->desc->direct) return RSV_OK;
+    if (looks && allocate_looks(b) != RSV_OK) return RSV_ERROR_MEMORY;
     b->direct = rsv_alloc(context, nodes, sizeof *b->direct);
     b->deviation = rsv_alloc(context, nodes, sizeof *b->deviation);
     return b->direct && b->deviation ? RSV_OK : RSV_ERROR_MEMORY;
@@ -63,7 +87,7 @@ rsv_status rsv_level_prepare(rsv_level_builder *b, const rsv_earlier_level *earl
     RSV_TRY(rsv_elements_find_open_corners(
         b->scene, earlier ? earlier->elements : b->coarse, e, b->rays));
     RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
-    RSV_TRY(allocate_fields(b));
+    RSV_TRY(allocate_fields(b, earlier && earlier->first_look));
     node_job job = { b, earlier, NULL };
     if (earlier) rsv_parallel_for(e->context, e->node_count, 0, carry_over, &job);
     const rsv_kept_light_fields fields = { b->direct, b->deviation, b->valid_points,
@@ -264,13 +288,15 @@ cleanup:
 /// Takes the fields from the builder, which starts again.
 rsv_earlier_level rsv_level_set_aside(rsv_level_builder *b)
 {
-    rsv_earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
+    rsv_earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points,
+        b->first_look };
     rsv_free(b->coarse->context, b->known);
     rsv_free(b->coarse->context, b->lit);
     b->elements = NULL;
     b->direct = NULL;
     b->deviation = NULL;
     b->valid_points = NULL;
+    b->first_look = NULL;
     b->known = b->lit = NULL;
     return earlier;
 }
@@ -281,6 +307,7 @@ void rsv_level_free_earlier(rsv_level_builder *b, rsv_earlier_level *earlier)
     rsv_free(context, earlier->direct);
     rsv_free(context, earlier->deviation);
     rsv_free(context, earlier->valid_points);
+    rsv_free(context, earlier->first_look);
     rsv_elements_destroy(earlier->elements);
 }
 
@@ -422,12 +449,14 @@ rsv_status rsv_level_hand_over(rsv_level_builder *b, rsv_source_level *level)
     level->caustic = b->caustic;
     level->deviation = b->deviation;
     level->valid_points = b->valid_points;
+    level->first_look = b->first_look;
     level->kept = b->kept_count;
     level->built_cells = b->elements->cell_count;
     b->elements = NULL;
     b->direct = b->caustic = NULL;
     b->deviation = NULL;
     b->valid_points = NULL;
+    b->first_look = NULL;
     return RSV_OK;
 }
 
@@ -438,6 +467,7 @@ void rsv_level_end(rsv_level_builder *b)
     rsv_free(context, b->direct);
     rsv_free(context, b->deviation);
     rsv_free(context, b->valid_points);
+    rsv_free(context, b->first_look);
     rsv_free(context, b->known);
     rsv_free(context, b->lit);
     rsv_kept_light_destroy(b->kept);
@@ -473,6 +503,7 @@ void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level)
     rsv_free(context, level->caustic);
     rsv_free(context, level->deviation);
     rsv_free(context, level->valid_points);
+    rsv_free(context, level->first_look);
     rsv_free(context, level->coarse_caustic);
     *level = (rsv_source_level){ 0 };
 }

@@ -34,8 +34,10 @@ typedef struct rsv_source_level {
     rsv_rgb *coarse_caustic; ///< [node_count of the coarse elements], or NULL
     float *deviation;        ///< [node_count] of `direct`, or NULL
     uint16_t *valid_points;  ///< [node_count]
-    size_t built_cells;      ///< cells when it was built as a whole
-    size_t kept;             ///< nodes whose direct light is from before an edit
+    rsv_rgb *
+        first_look; ///< [node_count] what the first rays found (rsv_level_motion); NULL = not known
+    size_t built_cells; ///< cells when it was built as a whole
+    size_t kept;        ///< nodes whose direct light is from before an edit
 } rsv_source_level;
 
 /// @param coarse elements to start from
@@ -48,6 +50,11 @@ typedef struct rsv_level_motion {
     const rsv_light_shafts *shafts; ///< from sources through boxes around moved objects
     const rsv_lights *lights;       ///< as they are now
     bool whole; ///< cells are not split where new shadows end: that is left to a later call
+    /// At places that stay, the rays that penumbrae get beyond the first ones are traced again only if the first ones
+    /// find something else than in the previous call.
+    bool hasty;
+    /// Only places whose draw number leaves the remainder `turn` when divided by `turns`, and what has moved; 0 = all.
+    uint32_t turns, turn;
 } rsv_level_motion;
 
 /// Takes a level to where its surfaces are now: in place, and with splits where new shadows end, none being undone.

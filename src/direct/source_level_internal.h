@@ -15,14 +15,14 @@ typedef struct rsv_level_builder {
     rsv_rgb *direct;
     float *deviation; ///< of direct
     uint16_t *valid_points;
+    rsv_rgb *first_look;         ///< as in rsv_source_level
     uint8_t *known;              ///< [node_count] 1 where valid_points are known already
     uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
     rsv_photon_shooter *shooter; ///< of photons; NULL = none
     rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
-    uint8_t *split; ///< [cell_count]
-    const uint8_t
-        *asked; ///< [cell_count] 1 = the cell or a neighbour may be split; NULL = all may
+    uint8_t *split;       ///< [cell_count]
+    const uint8_t *asked; ///< [cell_count] 1 = the cell or a neighbour may be split; NULL = all may
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
     bool complete;        ///< there will be no more splits
     size_t kept_count;    ///< nodes in the end of which it is
@@ -36,7 +36,11 @@ typedef struct rsv_earlier_level {
     rsv_rgb *direct;
     float *deviation;
     uint16_t *valid_points;
+    rsv_rgb *first_look;
 } rsv_earlier_level;
+
+/// Nothing was looked at yet: no light is that dark. NULL = no memory
+rsv_rgb *rsv_level_create_first_look(const rsv_elements *elements);
 
 /// Elements ready to receive: walls kept apart, buried corners bridged.
 /// @param earlier NULL = nothing is known yet

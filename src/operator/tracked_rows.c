@@ -204,6 +204,12 @@ static bool can_wait(const patch *p, const rsv_rows_motion *motion)
            !t->lost[p->slot];
 }
 
+/// Whether a row of a place that stays is patched in another call.
+static bool has_no_turn(const patch *p, const rsv_rows_motion *motion)
+{
+    return motion->turns > 0 && p->node % motion->turns != motion->turn && !p->t->lost[p->slot];
+}
+
 /// @param motion NULL = all rows are new
 static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
 {
@@ -224,7 +230,7 @@ static rsv_status find_row(patch *p, const rsv_rows_motion *motion)
         rsv_row_trace_from(&t->tracer, &r, p->scratch);
         return store_row(p);
     }
-    if (!find_touched(p, motion->change)) {
+    if (has_no_turn(p, motion) || !find_touched(p, motion->change)) {
         p->scratch->kept_rows++;
         return RSV_OK;
     }

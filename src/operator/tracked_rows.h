@@ -21,6 +21,9 @@ typedef struct rsv_rows_motion {
     const rsv_scene_change
         *change;         ///< boxes around the old and new places of everything that moved
     const uint8_t *anew; ///< [row_count] RSV_MOVE_... of the places that a row's rays leave from
+    /// Rows are patched if their number leaves the remainder `turn` when divided by `turns`, or if their rays leave
+    /// from other places; others stay as they are. 0 = all are patched.
+    uint32_t turns, turn;
 } rsv_rows_motion;
 
 /// Cost of patching, in rays.

@@ -96,14 +96,27 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
     };
 }
 
-rsv_status rsv_scene_update_bounds(rsv_scene *scene)
+static rsv_status update_bounds(rsv_scene *scene)
 {
     bounding_box bounds = find_bounds(scene);
     rsv_status status = check_reach(scene, bounds);
     if (status != RSV_OK) return status;
     scene->view.bounds_min = bounds.low;
     scene->view.bounds_max = bounds.high;
-    return rsv_scene_move_twins(scene);
+    return RSV_OK;
+}
+
+rsv_status rsv_scene_update_bounds(rsv_scene *scene)
+{
+    rsv_status status = update_bounds(scene);
+    return status == RSV_OK ? rsv_scene_move_twins(scene) : status;
+}
+
+rsv_status rsv_scene_update_bounds_only(rsv_scene *scene)
+{
+    rsv_status status = update_bounds(scene);
+    if (status == RSV_OK) rsv_scene_fit_twins(scene);
+    return status;
 }
 
 /// Finds out which materials are not the same all over: textured ones, and those on coloured vertices.

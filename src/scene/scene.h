@@ -79,7 +79,8 @@ struct rsv_scene {
 
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
     rsv_fog fog;                 ///< its box found; the view points here where there is any
-    struct rsv_volume *volume;   ///< of that fog, and those it had before; of a variant, its own alone
+    struct rsv_volume
+        *volume; ///< of that fog, and those it had before; of a variant, its own alone
     rsv_scene_document document; ///< of a variant, its base's counts
 
     struct rsv_twins_owner *twins; ///< NULL = no two faces lie in the same place
@@ -165,12 +166,16 @@ rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_punctual_light *li
 rsv_status rsv_scene_find_twins(rsv_scene *scene);
 /// The same after vertices of a variant have moved, without searching for enclosed lamps.
 rsv_status rsv_scene_move_twins(rsv_scene *scene);
+/// Takes known ones to where they are now, without looking for others.
+void rsv_scene_fit_twins(rsv_scene *scene);
 /// Gives a variant boxes of its own around faces that lie in the same place, for vertices of its own.
 rsv_status rsv_scene_copy_twins(rsv_scene *variant);
 void rsv_scene_release_twins(rsv_scene *scene);
 
-/// Finds the bounds of a committed scene again, after vertices were moved.
+/// Finds the bounds of a committed scene again, after vertices were moved, and faces in the same place.
 rsv_status rsv_scene_update_bounds(rsv_scene *scene);
+/// The same, but faces that are newly in the same place are left to a later rsv_scene_update_bounds.
+rsv_status rsv_scene_update_bounds_only(rsv_scene *scene);
 
 /// A camera that shows the whole sphere from the front and a little above.
 rsv_camera rsv_camera_frame_sphere(const char *name, rsv_vec3 centre, float radius);

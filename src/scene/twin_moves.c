@@ -243,6 +243,12 @@ static rsv_status plant_moved(move *m)
     return status;
 }
 
+void rsv_scene_fit_twins(rsv_scene *scene)
+{
+    if (scene->owns_positions && scene->view.twins)
+        rsv_twin_tree_fit(&scene->view, &scene->twins->tree);
+}
+
 rsv_status rsv_scene_move_twins(rsv_scene *scene)
 {
     rsv_status status;
@@ -250,7 +256,7 @@ rsv_status rsv_scene_move_twins(rsv_scene *scene)
     if (!scene->owns_positions) return RSV_OK;
     RSV_TRY(prepare(scene, &m));
     rsv_twins_owner *owner = scene->twins;
-    if (scene->view.twins) rsv_twin_tree_fit(&scene->view, &owner->tree);
+    rsv_scene_fit_twins(scene);
     m.reach = owner->twins.reach;
     m.rounding = owner->twins.rounding;
     RSV_TRY(plant_moved(&m));

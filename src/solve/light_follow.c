@@ -18,6 +18,7 @@
 #include "../update/update.h"
 #include "light_motion.h"
 #include "resolvent/update.h"
+#include "solve_constants.h"
 #include "source.h"
 
 #include <string.h>
@@ -35,12 +36,6 @@ static bool moves_emitter(const motion *m)
     return false;
 }
 
-static void add_to(rsv_scene_change *all, const rsv_scene_change *change)
-{
-    for (uint32_t k = 0; k < change->count; k++)
-        rsv_scene_change_add(all, change->low[k], change->high[k], false);
-}
-
 /// Brings the light's scene, its hierarchy and its sources to where all is now.
 static rsv_status move_world(motion *m, const rsv_scene *version)
 {
@@ -52,7 +47,8 @@ static rsv_status move_world(motion *m, const rsv_scene *version)
         s->context, s->world->scene.view, moved, m->difference.moved_count, &boxes));
     RSV_TRY(rsv_world_vary_triangles(s->world, moved));
     rsv_scene_take_places(s->world->variant, version);
-    RSV_TRY(rsv_world_follow_places(s->world));
+    RSV_TRY(m->hurries ? rsv_world_follow_places_in_haste(s->world)
+                       : rsv_world_follow_places(s->world));
     s->scene = s->world->scene;
     rsv_motion_boxes_end(&boxes, s->world->scene.view, moved);
     rsv_motion_boxes_enclose(&boxes, &m->change);
@@ -169,7 +165,9 @@ static rsv_status trace_operator(motion *m)
 
 static rsv_status patch_rows(motion *m)
 {
-    const rsv_rows_motion rows = { m->s->sources->lights, &m->change, m->anew };
+    const rsv_light_turn *turn = &m->coarse;
+    const rsv_rows_motion rows = { m->s->sources->lights, &turn->change, m->anew, turn->count,
+        turn->turn };
     return rsv_tracked_rows_patch(m->s->following->rows, &rows, &m->rows);
 }
 
@@ -185,14 +183,17 @@ static rsv_status move_operator(motion *m)
     m->anew = rsv_alloc(s->context, f->elements->node_count, 1);
     RSV_TRY(m->anew ? RSV_OK : RSV_ERROR_MEMORY);
     if (m->begins) RSV_TRY(copy_valid_points(m));
-    add_to(&f->unsettled, &m->change);
+    rsv_scene_change_add_all(&f->unsettled, &m->change);
     RSV_TRY(
         rsv_elements_follow(&s->world->scene, f->elements, &elements, f->valid_points, m->anew));
-    if (m->begins ? contacts != 0 : (contacts & RSV_CELL_CUT_THROUGH) && f->waiting == 0)
+    if (m->settles && (contacts || f->split))
+        RSV_TRY(divide_operator(m, true));
+    else if (m->begins ? contacts != 0 : (contacts & RSV_CELL_CUT_THROUGH) && f->waiting == 0)
         RSV_TRY(divide_operator(m, false));
     else if (contacts) // what stands upon cells without parting them can wait until it rests
         f->split = true;
     rsv_light_publish(s);
+    rsv_light_take_turns_of_elements(m);
     if (whole && !m->begins) RSV_TRY(copy_valid_points(m)); // the operator keeps its own
     RSV_TRY(whole ? trace_operator(m) : patch_rows(m));
     rsv_light_publish(s);
@@ -208,6 +209,11 @@ typedef struct known_job {
     uint8_t *known;
 } known_job;
 
+static bool has_turn(const rsv_light_turn *turn, uint32_t number)
+{
+    return turn->count == 0 || number % turn->count == turn->turn;
+}
+
 static void mark_known(void *data, rsv_span span)
 {
     const known_job *job = data;
@@ -215,8 +221,9 @@ static void mark_known(void *data, rsv_span span)
     const rsv_elements *e = m->s->elements;
     for (uint32_t n = (uint32_t)span.begin; n < span.end; n++)
         job->known[n] = m->anew[n] == RSV_MOVE_WAITS ||
-                        (!m->anew[n] && !rsv_node_light_is_changed(e, n, job->changed) &&
-                            !rsv_node_is_beside(e, n, &m->change));
+                        (!m->anew[n] && (!has_turn(&m->coarse, n) ||
+                                            (!rsv_node_light_is_changed(e, n, job->changed) &&
+                                                !rsv_node_is_beside(e, n, &m->coarse.change))));
 }
 
 /// Nodes whose direct light has not changed. @param known [node_count] zeros in
@@ -224,7 +231,9 @@ static rsv_status find_known(motion *m, uint8_t *known)
 {
     const rsv_elements *e = m->s->elements;
     uint8_t *changed = NULL;
-    rsv_status status = rsv_light_shafts_find_changed(&m->shafts, e, &changed);
+    rsv_light_shafts shafts = m->shafts;
+    shafts.change = &m->coarse.change;
+    rsv_status status = rsv_light_shafts_find_changed(&shafts, e, &changed);
     known_job job = { m, changed, known };
     if (status == RSV_OK) rsv_parallel_for(e->context, e->node_count, 256, mark_known, &job);
     rsv_free(e->context, changed);
@@ -275,11 +284,13 @@ static rsv_status find_levels(motion *m)
     rsv_status status;
     uint8_t *hidden = NULL;
     rsv_scene_change *undivided = &s->following->undivided;
-    const rsv_level_motion moved = { m->moved, &m->shafts, s->sources->lights, m->whole };
+    rsv_light_shafts near = m->shafts, shafts;
+    const rsv_level_motion moved = { m->moved, &near, s->sources->lights, m->whole,
+        s->following->waiting > 0, m->level.count, m->level.turn };
     rsv_level_motion caustics;
-    rsv_light_shafts shafts;
+    near.change = &m->level.change;
     bool turn = rsv_light_begin_caustics(m, &shafts, &caustics);
-    add_to(undivided, &m->change);
+    rsv_scene_change_add_all(undivided, &m->change);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
     if (!m->begins && (m->divides || rsv_source_has_grown(s)))
@@ -300,7 +311,7 @@ static rsv_status solve_again(motion *m)
     rsv_status status;
     s->gathered_scale = rgb_gray(1);
     rsv_source_add_gathered(s);
-    RSV_TRY(rsv_solve_on(s));
+    RSV_TRY(rsv_solve_on(s, s->following->waiting ? ORDERS_IN_HASTE : s->desc.max_orders));
     if (rsv_operator_get_view(s->op)->subsurface) RSV_TRY(rsv_light_diffuse(s));
 cleanup:
     return status;
@@ -310,6 +321,7 @@ static rsv_status move_light(motion *m)
 {
     rsv_status status;
     RSV_TRY(find_direct(m));
+    if (m->settles) goto cleanup; // the level is built again
     RSV_TRY(find_levels(m));
     RSV_TRY(solve_again(m));
 cleanup:
@@ -354,6 +366,7 @@ static rsv_status follow(motion *m, const rsv_scene *version, size_t most)
 {
     rsv_light *s = m->s;
     rsv_status status;
+    m->hurries = rsv_light_hurries(m, most);
     RSV_TRY(rsv_light_vary_world(s));
     rsv_light_set_basis(s, NULL);
     RSV_TRY(move_world(m, version));
@@ -370,6 +383,7 @@ static rsv_status settle_operator(motion *m)
 {
     rsv_light *s = m->s;
     rsv_status status;
+    rsv_light_take_turns_of_elements(m);
     RSV_TRY(divide_operator(m, true));
     RSV_TRY(patch_rows(m));
     rsv_light_publish(s);
@@ -378,33 +392,36 @@ cleanup:
     return status;
 }
 
-/// Those of a call that brings to rest.
-static void forget_turns(motion *m)
+/// If nobody waited, nothing was done in this call yet.
+static rsv_status begin_settling(motion *m)
 {
-    rsv_free(m->s->context, m->moved);
-    rsv_free(m->s->context, m->anew);
-    m->moved = m->anew = NULL;
-}
-
-/// Divides all elements as a solve would, once all is at rest.
-static rsv_status settle(motion *m)
-{
-    rsv_light *s = m->s;
-    uint8_t *hidden = NULL;
+    const rsv_light *s = m->s;
     rsv_status status;
     m->shafts =
         (rsv_light_shafts){ .change = &m->change, .all_light_changed = s->scene.media.bodies };
     rsv_light_shafts_find_sources(&m->shafts, s->sources->lights);
-    forget_turns(m);
     RSV_TRY(rsv_light_take_turns(m, 0)); // nobody waits
     if (s->following->split) RSV_TRY(settle_operator(m));
+cleanup:
+    return status;
+}
+
+/// Divides elements of direct light as a solve would, once all is at rest. @param followed light of those that waited
+static rsv_status settle(motion *m, bool followed)
+{
+    rsv_light *s = m->s;
+    uint8_t *hidden = NULL;
+    rsv_status status;
+    rsv_light_shafts shafts;
+    rsv_level_motion caustics;
+    if (!followed) RSV_TRY(begin_settling(m));
+    rsv_scene_change_add_all(&s->following->undivided, &m->change);
     RSV_TRY(rsv_source_hidden_cells(s, &hidden));
     const rsv_level_limits limits = { SIZE_MAX, hidden };
-    const rsv_level_motion caustics = {
-        .moved = m->moved, .shafts = &m->shafts, .lights = s->sources->lights
-    };
+    rsv_light_begin_caustics(m, &shafts, &caustics);
     RSV_TRY(divide_again(m, &limits, &caustics));
-    if (m->divides) RSV_TRY(solve_again(m));
+    rsv_light_end_caustics(m);
+    if (m->divides || followed) RSV_TRY(solve_again(m));
 cleanup:
     rsv_free(s->context, hidden);
     return status;
@@ -431,8 +448,9 @@ rsv_status rsv_light_follow_part(
     RSV_TRY(rsv_scene_find_moved(s->world->scene.scene, version, &m.difference));
     bool rests = m.difference.moved_count == 0 && !m.difference.lights_moved && !m.begins;
     bool waits = rests && s->following->waiting > 0;
+    m.settles = rests && (most == 0 || !waits) && (waits || is_unsettled(s->following));
     if (!rests || waits) RSV_TRY(follow(&m, version, most));
-    if (rests && (most == 0 || !waits) && is_unsettled(s->following)) RSV_TRY(settle(&m));
+    if (m.settles) RSV_TRY(settle(&m, waits));
     rsv_light_publish(s);
     if (report) fill_report(&m, rsv_seconds() - start, report);
 cleanup:

@@ -12,8 +12,7 @@ struct rsv_light {
     rsv_operator *op;             ///< of its world's colours
     const rsv_elements *elements; ///< of that: coarse, the unknowns
     rsv_world *world;             ///< the scene of this light
-    rsv_transport_scene
-        scene; ///< of the world; during the build with results from before an edit
+    rsv_transport_scene scene;  ///< of the world; during the build with results from before an edit
     rsv_light_sources *sources; ///< of that world
     rsv_solve_desc desc;        ///< goal_points are those below
     rsv_probe *goal_points;     ///< a copy; NULL = none
@@ -24,8 +23,7 @@ struct rsv_light {
     rsv_light_basis *basis;
     rsv_solve_report report;
     struct rsv_following *following; ///< data for moving surfaces; NULL = nothing has moved yet
-    rsv_update_report
-        update; ///< reuse after an edit, as far as it is not in `report`
+    rsv_update_report update;        ///< reuse after an edit, as far as it is not in `report`
 
     rsv_light_view view; ///< all of that, for others
 };
@@ -58,7 +56,8 @@ rsv_status rsv_solve_orders(rsv_light *light, uint32_t max_orders);
 
 /// Solves E = E0 + G K E again after E0 and G changed a little, from the E that there is. Orders are not kept apart any
 /// more; the spectral radius stays that of before.
-rsv_status rsv_solve_on(rsv_light *light);
+/// @param max_orders maximum number of applications of G K
+rsv_status rsv_solve_on(rsv_light *light, uint32_t max_orders);
 
 /// The same with as many applications as the description allows, and then the spectral radius, converged.
 rsv_status rsv_solve_and_measure(rsv_light *light);

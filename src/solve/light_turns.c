@@ -45,8 +45,13 @@ static void take_turn_of_caustics(rsv_light_motion *m, size_t moved)
     rsv_following *f = m->s->following;
     m->caustics = f->waiting == 0 || f->turns >= moved;
     if (m->caustics) f->turns = 0;
-    for (uint32_t k = 0; k < m->change.count; k++)
-        rsv_scene_change_add(&f->caustics_behind, m->change.low[k], m->change.high[k], false);
+    rsv_scene_change_add_all(&f->caustics_behind, &m->change);
+}
+
+bool rsv_light_hurries(const rsv_light_motion *m, size_t most)
+{
+    size_t waiting = m->begins ? 0 : m->s->following->waiting;
+    return !m->begins && most > 0 && (m->difference.moved_count > most || waiting > most);
 }
 
 rsv_status rsv_light_take_turns(rsv_light_motion *m, size_t most)
@@ -70,6 +75,28 @@ rsv_status rsv_light_take_turns(rsv_light_motion *m, size_t most)
     take_turn_of_caustics(m, moved);
     m->whole = f->waiting > 0 && f->calls++ % CALLS_PER_SPLIT != 0;
     return RSV_OK;
+}
+
+/// @param behind [turns] @param next the turn of the next call that has turns
+static void take_turn(const rsv_light_motion *m, rsv_scene_change *behind, uint32_t turns,
+    uint32_t *next, rsv_light_turn *turn)
+{
+    bool some = m->s->following->waiting > 0 && !m->shafts.all_light_changed;
+    *turn = (rsv_light_turn){ .count = some ? turns : 0, .turn = *next };
+    for (uint32_t k = 0; k < turns; k++) {
+        rsv_scene_change_add_all(&behind[k], &m->change);
+        if (some && k != *next) continue;
+        rsv_scene_change_add_all(&turn->change, &behind[k]);
+        behind[k].count = 0;
+    }
+    if (some) *next = (*next + 1) % turns;
+}
+
+void rsv_light_take_turns_of_elements(rsv_light_motion *m)
+{
+    rsv_following *f = m->s->following;
+    take_turn(m, f->coarse_behind, RSV_COARSE_TURNS, &f->coarse_turn, &m->coarse);
+    take_turn(m, f->level_behind, RSV_LEVEL_TURNS, &f->level_turn, &m->level);
 }
 
 bool rsv_light_begin_caustics(

@@ -513,7 +513,7 @@ static rsv_solver solver_to_go_on(const rsv_light *s)
 }
 
 /// @param guess [node_count] E of before in, E out
-static rsv_status solve_from(series *q, rsv_rgb *guess)
+static rsv_status solve_from(series *q, rsv_rgb *guess, uint32_t max_orders)
 {
     rsv_light *s = q->s;
     rsv_solve_report *report = &s->report;
@@ -524,7 +524,7 @@ static rsv_status solve_from(series *q, rsv_rgb *guess)
     rsv_transport_map_mask(q->map, 1, q->term);
     rsv_transport_map_mask(q->map, 1, guess);
     const rsv_linear_desc desc = {
-        .solver = solver_to_go_on(s), .absolute = q->target, .max_applications = s->desc.max_orders
+        .solver = solver_to_go_on(s), .absolute = q->target, .max_applications = max_orders
     };
     RSV_TRY(rsv_transport_map_prepare(q->map, desc.solver));
     RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &guess->r, &linear));
@@ -537,7 +537,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solve_on(rsv_light *s)
+rsv_status rsv_solve_on(rsv_light *s, uint32_t max_orders)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
@@ -551,7 +551,7 @@ rsv_status rsv_solve_on(rsv_light *s)
     q.resolvent = resolvent_of(&s->report);
     q.target =
         s->desc.tolerance * rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
-    RSV_TRY(solve_from(&q, s->field.irradiance));
+    RSV_TRY(solve_from(&q, s->field.irradiance, max_orders));
     report_error(&q, q.next);
     rsv_sharpen(s->elements, s->field.indirect, q.term, q.next);
 cleanup:

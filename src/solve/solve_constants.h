@@ -145,7 +145,9 @@
 #define MOST_GROWTH 1.3f
 /// While surfaces wait for their turn, cells of direct light are split in one of so many calls: numbering 65,000 nodes
 /// again takes 0.2 s, twice in a call.
-#define CALLS_PER_SPLIT 4
+#define CALLS_PER_SPLIT 8
+/// ... and the equation is solved to so many more orders in a call, from where the last one stopped.
+#define ORDERS_IN_HASTE 2
 
 // ---- Solvers (measure_solver.c, node_groups.c) -------------------------------------------------------
 

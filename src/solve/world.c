@@ -107,6 +107,12 @@ rsv_status rsv_world_follow_places(rsv_world *w)
     return status == RSV_OK ? rsv_tracer_update(w->tracer) : status;
 }
 
+rsv_status rsv_world_follow_places_in_haste(rsv_world *w)
+{
+    rsv_status status = rsv_scene_update_bounds_only(w->variant);
+    return status == RSV_OK ? rsv_tracer_update(w->tracer) : status;
+}
+
 rsv_world *rsv_world_retain(rsv_world *w)
 {
     rsv_references_add(&w->references);

@@ -35,6 +35,8 @@ rsv_status rsv_world_vary_triangles(rsv_world *variant, const uint8_t *moves);
 
 /// Takes over the places of vertices that were moved.
 rsv_status rsv_world_follow_places(rsv_world *variant);
+/// The same, but faces that are newly in the same place are left to a later rsv_world_follow_places.
+rsv_status rsv_world_follow_places_in_haste(rsv_world *variant);
 
 /// Updates the scattering of materials from the present scene.
 

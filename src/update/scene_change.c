@@ -85,6 +85,12 @@ void rsv_scene_change_add(rsv_scene_change *c, rsv_vec3 low, rsv_vec3 high, bool
     c->high[c->count++] = high;
 }
 
+void rsv_scene_change_add_all(rsv_scene_change *c, const rsv_scene_change *more)
+{
+    for (uint32_t k = 0; k < more->count; k++)
+        rsv_scene_change_add(c, more->low[k], more->high[k], false);
+}
+
 static void add_triangle(rsv_scene_change *c, const rsv_scene_view *scene, uint32_t t, bool runs_on)
 {
     const uint32_t *corner = scene->triangle[t];

@@ -29,6 +29,9 @@ rsv_scene_change rsv_scene_change_since(
 /// Adds a box. @param runs_on it belongs to the one added just before; else the two that waste least space by that
 /// become one where there are too many
 void rsv_scene_change_add(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high, bool runs_on);
+
+/// Adds all boxes of another change.
+void rsv_scene_change_add_all(rsv_scene_change *change, const rsv_scene_change *more);
 /// Adds a box that is next to one of the boxes, by extending the one that grows least.
 void rsv_scene_change_cover(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high);
 /// Adds margins against rounding. Call it once, after all boxes have been added.

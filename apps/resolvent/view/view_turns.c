@@ -10,9 +10,11 @@
 #define SHARE_OF_LEAST 0.5
 /// Weight of what is behind the camera: its light and shadows may still be seen.
 #define WEIGHT_UNSEEN 0.1f
-/// Triangles whose own light is computed again in a step: at least, and at first after one that took too long.
-#define LEAST_TRIANGLES 400
-#define FIRST_TRIANGLES 1600
+/// Triangles whose own light is computed again in a step: at least, and at first.
+#define LEAST_TRIANGLES 100
+#define FIRST_TRIANGLES 400
+/// So many are all.
+#define MOST_TRIANGLES ((size_t)1 << 30)
 /// The least time of a step is forgotten at this rate.
 #define FORGETTING 1.02
 
@@ -125,6 +127,7 @@ bool cli_turns_take(cli_turns *t, const rsv_scene_view *shown, const rsv_scene_v
     const rsv_camera *camera)
 {
     if (!make_room(t, wanted->object_count)) return false;
+    if (t->most_triangles == 0 && t->budget_ms > 0) t->most_triangles = FIRST_TRIANGLES;
     weigh(t, shown, wanted, camera);
     list_waiting(t);
     sort(t);
@@ -145,10 +148,8 @@ static void limit_triangles(cli_turns *t, double ms)
     if (t->budget_ms == 0) return;
     if (ms > t->budget_ms) {
         size_t fewer = t->most_triangles / 2;
-        t->most_triangles = t->most_triangles == 0    ? FIRST_TRIANGLES
-                            : fewer > LEAST_TRIANGLES ? fewer
-                                                      : LEAST_TRIANGLES;
-    } else if (ms < 0.5 * t->budget_ms) {
+        t->most_triangles = fewer > LEAST_TRIANGLES ? fewer : LEAST_TRIANGLES;
+    } else if (ms < 0.5 * t->budget_ms && t->most_triangles < MOST_TRIANGLES) {
         t->most_triangles *= 2;
     }
 }
