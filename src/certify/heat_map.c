@@ -67,7 +67,7 @@ static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_p
     brightest_end end = { 0 };
     rsv_specular_path path = rsv_specular_begin(&s->scene, &job->medium, ray.direction, hit);
     const rsv_camera_setting setting = { &s->scene, s->lights, NULL, RSV_CAMERA_PATH_DEPTH, false,
-        NULL, 0, false };
+        NULL, 0, false, false };
     rsv_camera_path(&setting, path, rsv_hash3(job->seed, x, y), NULL, keep_brightest, &end);
     if (end.weight == 0) return false;
     uint32_t face = s->elements->face_of[end.path.back][end.path.triangle];

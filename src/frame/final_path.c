@@ -57,6 +57,6 @@ static void add_end(void *light, const rsv_specular_path *path, rsv_rgb weight)
 void rsv_add_final_path(rsv_specular_light *l, const rsv_specular_path *path)
 {
     const rsv_camera_setting setting = { l->scene, l->lights, NULL, RSV_CAMERA_PATH_DEPTH, false,
-        NULL, 0, false };
+        NULL, 0, false, false };
     rsv_add_light(l, rsv_camera_path(&setting, *path, l->trail, NULL, add_end, l));
 }

@@ -542,6 +542,8 @@ rsv_status rsv_frame_render(
         .materials = r->materials.material,
         .shows_emission = rsv_shows_emission(&r->table) };
     r->tiling.final = r->desc.rest == RSV_REST_FINAL && r->table.layer == RSV_NONE;
+    rsv_highlights_of(r->solution->lights, &r->tiling.highlights);
+    if (!rsv_shows_emission(&r->table)) r->tiling.highlights.count = 0;
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
     status = render_eyes(r, view);
     if (status != RSV_OK) return status;

@@ -454,12 +454,27 @@ static void leave_samples(const tile *t)
             t->worker->depth + y * RSV_TILE, RSV_TILE * sizeof *h->depth);
 }
 
+static rsv_glossy_task task_of(const tile *t)
+{
+    return (rsv_glossy_task){ &t->eye->cells, &t->eye->aim, &t->tiling->highlights, t->eye->spread,
+        t->tiling->seed, t->eye->samples == 0 };
+}
+
+/// Adds the highlights of punctual lights that cells do not have.
+static void show_highlights(const tile *t)
+{
+    rsv_tile_worker *w = t->worker;
+    const rsv_glossy_task task = task_of(t);
+    if (t->eye->lobes)
+        rsv_show_highlights(&w->rays, &task, &w->gloss, t->column, t->row, w->radiance);
+}
+
 /// Leaves the lobes of a tile to be lit, with the other light. @return whether there are any
 static bool leave_gloss(const tile *t, uint32_t index)
 {
     rsv_tile_worker *w = t->worker;
     rsv_eye_picture *eye = t->eye;
-    const rsv_glossy_task task = { &eye->cells, &eye->aim, eye->spread, t->tiling->seed };
+    const rsv_glossy_task task = task_of(t);
     rsv_glossy_rays_of_tile(&w->rays, &task, &w->gloss, t->column, t->row);
     eye->glossy[index] = w->gloss.count > 0;
     if (!eye->glossy[index]) return false;
@@ -493,8 +508,9 @@ void rsv_tile_render(
     double traced = rsv_seconds();
     rsv_specular_queue_run(&w->queue);
     add_fog(&t);
-    if (recalled) leave_samples(&t);
     double followed = rsv_seconds();
+    show_highlights(&t);
+    if (recalled) leave_samples(&t);
     bool waits = eye->lobes && leave_gloss(&t, index);
     double left = rsv_seconds();
     if (!waits && !recalled) display(&t, index);

@@ -79,7 +79,8 @@ typedef struct rsv_tiling {
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;
-    bool final; ///< whole paths are those of mode final
+    bool final;                ///< whole paths are those of mode final
+    rsv_highlights highlights; ///< of the frame in the making
     rsv_glossy_shading shading;
     const rsv_mover *mover;     ///< of the frame in the making; NULL = none
     const rsv_fog_shine *shine; ///< NULL = the air is clear

@@ -110,6 +110,8 @@ static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim
     pick(tile->even[2], pixel, regular, even->b + at);
 }
 
+#include "highlight_kernels_body.h"
+
 static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels *restrict to)
 {
     for (int k = 0; k < RSV_GLOSSY_TILE_PIXELS; k++) {

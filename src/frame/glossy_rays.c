@@ -129,13 +129,13 @@ static void add_diffuse(void *user, const rsv_specular_path *path, rsv_rgb weigh
 }
 
 /// The rest of a path, one by one. Branches that are faint to the eye play roulette. @param own emission of its first
-/// surface is left out @param share of the light that the camera sees
+/// surface is left out @param share of the light that the camera sees @param unlit see rsv_camera_setting
 static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, uint32_t trail,
-    rsv_rgb own, float share)
+    rsv_rgb own, float share, bool unlit)
 {
     const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
         path->events > 0 ? path->events + MOST_EVENTS : WHOLE_EVENTS, false, NULL,
-        REFLECTED_VARIANCE, false };
+        REFLECTED_VARIANCE, false, unlit };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);
@@ -162,7 +162,8 @@ static rsv_rgb other_met(const rsv_glossy_rays *r, uint32_t lane)
     rsv_rgb shown = emission_met(r, lane, &path, emission);
     uint32_t face = r->table->solution->elements->face_of[path.back][path.triangle];
     if (face == RSV_NONE || bsdf->diffuse == 0 || bsdf->opacity < 1)
-        return rgb_add(shown, follow(r, &path, r->trail[lane], emission, share_seen(r, lane)));
+        return rgb_add(
+            shown, follow(r, &path, r->trail[lane], emission, share_seen(r, lane), false));
     rsv_vec3 normal =
         v3(r->packet.normal_x[lane], r->packet.normal_y[lane], r->packet.normal_z[lane]);
     float cos = fabsf(v3_dot(normal, path.direction)) / f_max(v3_length(normal), 1e-30f);
@@ -233,14 +234,13 @@ static void trace(rsv_glossy_rays *r, const rsv_glossy_cells *cells)
 
 // ---- from a cell --------------------------------------------------------------------------------
 
-/// The camera's path to a pixel that stands for a cell.
-static rsv_specular_path path_to(const rsv_glossy_rays *r, const rsv_glossy_task *task,
+rsv_specular_path rsv_glossy_path(const rsv_transport_scene *scene, const rsv_glossy_task *task,
     const rsv_glossy_tile *tile, uint32_t pixel, rsv_vec3 place)
 {
     const rsv_camera *c = &task->aim->lens.camera;
     rsv_vec3 seen = c->forward;
     if (c->vertical_fov != 0) seen = v3_normalize(v3_sub(place, c->position));
-    rsv_specular_path path = rsv_specular_begin(scene_of(r), NULL, seen,
+    rsv_specular_path path = rsv_specular_begin(scene, NULL, seen,
         (rsv_hit){ tile->triangle[pixel], tile->depth[pixel], tile->u[pixel], tile->v[pixel] });
     rsv_specular_set_spread(&path, task->spread, tile->depth[pixel]);
     return path;
@@ -266,20 +266,10 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     found base = { r, rgb_gray(0) };
     rsv_bsdf_branches branches = rsv_specular_branches(scene_of(r), path);
     if (!rgb_is_black(branches.diffuse)) add_diffuse(&base, path, branches.diffuse);
-    rsv_rgb light = rgb_sub(follow(r, path, trail, own, 1), base.radiance);
+    rsv_rgb light =
+        rgb_sub(follow(r, path, trail, own, 1, task->highlights->count > 0), base.radiance);
     r->rays++;
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
-}
-
-/// Variance of the normals across a cell, by those of the triangle's corners: sum over both directions, radian^2.
-static float normal_variance(const rsv_scene_view *view, const rsv_rough_surface *s)
-{
-    const rsv_normal_change n = rsv_normal_change_of(view, s->path->triangle);
-    float squares = n.c * v3_dot(n.turn[0], n.turn[0]) - 2 * n.b * v3_dot(n.turn[0], n.turn[1]) +
-                    n.a * v3_dot(n.turn[1], n.turn[1]);
-    float per_metre = squares / n.squared_area;
-    float cos = f_max(fabsf(v3_dot(s->point.geometric, s->wo)), 0.25f), pixel = s->path->width;
-    return per_metre * pixel * pixel / (3 * cos); // two pixels wide, evenly seen
 }
 
 /// Variance of the normals of a cell's pixels, which normal maps may bend: sum over both directions, radian^2.
@@ -298,20 +288,40 @@ static float pixels_variance(const rsv_glossy_tile *tile, uint32_t pixel)
     return f_max(count * count - v3_dot(sum, sum), 0) / f_max(count * (count - 1), 1);
 }
 
-/// Light of sampled sources in a lobe. Highlights of punctual lights smaller than a cell are spread over it.
-static rsv_rgb aimed_light(
-    const rsv_glossy_rays *r, const rsv_rough_surface *surface, float spread, const float u[3])
+/// The shares of highlights that cells show.
+static rsv_rgb left_to_cells(const rsv_glossy_task *task, const rsv_lights *lights,
+    const rsv_rough_surface *surface, const rsv_highlight_point *at, const float u[3])
+{
+    const rsv_highlights *h = task->highlights;
+    rsv_rgb sum = rgb_gray(0);
+    rsv_rough_surface wide;
+    rsv_rough_meet(surface->scene, surface->path, &wide);
+    float variance = rsv_widen_highlights(&wide, task->moves, at->variance);
+    for (uint32_t k = 0; k < h->count; k++)
+        sum = rgb_mad(sum, rsv_highlight_left(&h->light[k], at, variance),
+            rsv_rough_light_from(&wide, lights, k, u));
+    return sum;
+}
+
+/// Light of sampled sources in a lobe. Highlights of punctual lights that pixels do not show by themselves are spread
+/// over the cell, if they are smaller.
+static rsv_rgb aimed_light(const rsv_glossy_rays *r, const rsv_glossy_task *task,
+    const rsv_glossy_tile *tile, const rsv_rough_surface *surface, uint32_t pixel, const float u[3])
 {
     const rsv_lights *lights = r->table->solution->lights;
-    float variance = 0;
     if (!shows_sources(r)) return rgb_gray(0);
-    if (rsv_punctual_count(lights) > 0)
-        variance = f_max(normal_variance(scene_of(r)->view, surface), spread);
-    if (!(variance > 0)) return rsv_rough_light(surface, lights, false, u);
-    rsv_rough_surface wide;
-    rsv_rough_meet(scene_of(r), surface->path, &wide);
-    rsv_rough_widen(&wide, variance);
-    return rsv_rough_light_by(surface, &wide, lights, false, u);
+    if (rsv_punctual_count(lights) == 0) return rsv_rough_light(surface, lights, false, u);
+    float spread = pixels_variance(tile, pixel);
+    if (task->highlights->count == 0) {
+        rsv_rough_surface wide;
+        rsv_rough_meet(surface->scene, surface->path, &wide);
+        rsv_rough_widen(&wide, f_max(rsv_corners_variance(surface), spread));
+        return rsv_rough_light_by(surface, &wide, lights, false, u);
+    }
+    const rsv_highlight_point at =
+        rsv_highlight_point_of(tile, pixel, surface, task->moves ? RSV_PIXEL_VARIANCE * spread : 0);
+    return rgb_add(rsv_rough_light_by(surface, NULL, lights, false, u),
+        left_to_cells(task, lights, surface, &at, u));
 }
 
 /// Sends the ray of a cell, together with others. The next of `known` has its light of sampled sources.
@@ -344,7 +354,7 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
 {
     const rsv_glossy_geometry *g = &task->cells->now;
     rsv_vec3 place = v3(g->x[cell], g->y[cell], g->z[cell]);
-    rsv_specular_path path = path_to(r, task, tile, pixel, place);
+    rsv_specular_path path = rsv_glossy_path(scene_of(r), task, tile, pixel, place);
     uint32_t trail = rsv_hash3(task->seed, (uint32_t)cell, task->cells->frame);
     rsv_rgb albedo = albedo_of(tile, pixel);
     rsv_rough_surface surface;
@@ -353,7 +363,7 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
         sample_whole(r, task, &path, trail, cell, albedo);
     else {
         const rsv_rough_numbers numbers = rsv_rough_numbers_of(trail, path.triangle);
-        r->known[r->count] = aimed_light(r, &surface, pixels_variance(tile, pixel), numbers.light);
+        r->known[r->count] = aimed_light(r, task, tile, &surface, pixel, numbers.light);
         sample_lobe(r, task, &surface, trail, cell, albedo);
     }
 }

@@ -8,6 +8,7 @@
 #include "beam.h"
 #include "clearance.h"
 #include "glossy_cells.h"
+#include "highlights.h"
 #include "history.h"
 #include "light_table.h"
 #include "specular_lanes.h"
@@ -120,6 +121,13 @@ typedef struct rsv_cell_row {
     uint32_t line;        ///< of cells in the tile
 } rsv_cell_row;
 
+/// Sixteen pixels of a tile in a row.
+typedef struct rsv_highlight_row {
+    uint32_t column, row; ///< of the tile's pixels in the picture
+    uint32_t first;       ///< of the pixels in the tile
+    bool moves;           ///< the camera
+} rsv_highlight_row;
+
 /// From a packet to its radiance in four steps. Each prefetches the data of the next one, so that other packets' steps
 /// in between hide the latency.
 
@@ -159,6 +167,10 @@ typedef struct rsv_packet_kernels {
     /// @param speaker [16] pixels of the tile, out; -1 = none
     void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, rsv_cell_row row,
         const rsv_glossy_cells *cells, int *speaker);
+    /// Finds shares of highlights that sixteen pixels in a row leave to cells.
+    /// @return lanes with less than 1 of some light, a bit each
+    uint32_t (*find_highlights)(const rsv_highlights *highlights, const rsv_glossy_tile *tile,
+        const rsv_frame_aim *aim, rsv_highlight_row row, rsv_highlight_lanes *found);
     void (*pack_pixels)(const rsv_glossy_tile *tile, rsv_glossy_pixels *pixels);
     /// Combines this frame's samples around sixteen cells with those of earlier frames.
     void (*blend_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);

@@ -262,5 +262,5 @@ static void display_row(const rsv_frame_tone *tone, const float (*restrict radia
 
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, gather_beam, meet_packet, approach_packet,
     locate_packet, descend_packet, look_up_packet, show_sky_packet, find_texels_ahead,
-    shade_glossy_packet, fill_cells, pack_pixels, blend_cells, smooth_cells, light_pixels,
-    display_row, recall_row, leave_smooth_packet };
+    shade_glossy_packet, fill_cells, find_highlights, pack_pixels, blend_cells, smooth_cells,
+    light_pixels, display_row, recall_row, leave_smooth_packet };

@@ -156,7 +156,7 @@ static rsv_rgb cross_fog(void *light, const rsv_ray *ray, rsv_rgb throughput, ui
 void rsv_add_whole_path(rsv_specular_light *l, const rsv_specular_path *path)
 {
     const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false,
-        l->shine ? cross_fog : NULL, 0, false };
+        l->shine ? cross_fog : NULL, 0, false, false };
     rsv_rgb found = rsv_camera_path(&setting, *path, l->trail, NULL, rsv_add_diffuse_end, l);
     if (rsv_shows_emission(l->table)) rsv_add_light(l, found);
 }

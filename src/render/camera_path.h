@@ -28,6 +28,7 @@ typedef struct rsv_camera_setting {
     float widening;
     bool
         averages; ///< highlights that are smaller than a footprint are averaged over it (rsv_rough_find_turns)
+    bool unlit; ///< punctual lights do not light the first surface, if it is rough
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

@@ -152,7 +152,7 @@ static void begin_job(
     if (solution->lights->environment) job->sky = solution->lights->environment->whole;
     job->setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->path_depth,
         !desc->shared_pattern && rsv_film_is_plain(&desc->film) && rsv_shot_light_wanted(solution),
-        solution->scene.view->fog ? rsv_picture_cross_fog : NULL, 0, !desc->shared_pattern };
+        solution->scene.view->fog ? rsv_picture_cross_fog : NULL, 0, !desc->shared_pattern, false };
 }
 
 rsv_status rsv_picture_series_create(

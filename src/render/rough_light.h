@@ -59,7 +59,12 @@ RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3
 RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *surface, const rsv_lights *lights, bool shot, const float u[3]);
 
-/// The same, but that `punctual` responds to punctual lights: the surface again, or one with wider lobes at its place.
+/// Of that, the light of the k-th punctual light (rsv_punctual_at).
+RSV_SHARED rsv_rgb rsv_rough_light_from(
+    const rsv_rough_surface *surface, const rsv_lights *lights, uint32_t k, const float u[3]);
+
+/// The same as rsv_rough_light, but that `punctual` responds to punctual lights: the surface again, or one with wider
+/// lobes at its place. NULL leaves out their light.
 RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *surface,
     const rsv_rough_surface *punctual, const rsv_lights *lights, bool shot, const float u[3]);
 

@@ -144,6 +144,25 @@ RSV_INLINE rsv_rgb rsv_rough_punctual_light(const rsv_rough_surface *s, const rs
     return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
+/// Sides that light comes from.
+RSV_INLINE int rsv_rough_sides(const rsv_rough_surface *s)
+{
+    return s->bsdf->transmission > 0 || s->bsdf->passed > 0 ? 2 : 1;
+}
+
+RSV_SHARED rsv_rgb rsv_rough_light_from(
+    const rsv_rough_surface *s, const rsv_lights *lights, uint32_t k, const float u[3])
+{
+    rsv_punctual_sample light;
+    rsv_rough_side side;
+    if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light))
+        return rgb_gray(0);
+    bool below = v3_dot(s->normal, light.direction) < 0;
+    if (below >= rsv_rough_sides(s)) return rgb_gray(0);
+    rsv_rough_set_side(s, below, &side);
+    return rsv_rough_punctual_light(s, &side, lights, &light, u + 1);
+}
+
 /// Widths by normals that vary: lobes become no wider than this.
 #define WIDEST_ALPHA 0.5f
 
@@ -178,13 +197,13 @@ RSV_SHARED rsv_rgb rsv_rough_light_by(const rsv_rough_surface *s, const rsv_roug
     const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_rough_side side[2];
-    int sides = s->bsdf->transmission > 0 || s->bsdf->passed > 0 ? 2 : 1;
+    int sides = rsv_rough_sides(s);
     rsv_rgb sum = rgb_gray(0);
     for (int below = 0; below < sides; below++) {
         rsv_rough_set_side(s, below, &side[below]);
         sum = rgb_add(sum, rsv_rough_sampled_light(s, &side[below], lights, shot, u));
     }
-    for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
+    for (uint32_t k = 0; punctual && !shot && k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
         if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
         bool below = v3_dot(s->normal, light.direction) < 0;
