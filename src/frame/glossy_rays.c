@@ -129,13 +129,15 @@ static void add_diffuse(void *user, const rsv_specular_path *path, rsv_rgb weigh
 }
 
 /// The rest of a path, one by one. Branches that are faint to the eye play roulette. @param own emission of its first
-/// surface is left out @param share of the light that the camera sees @param unlit see rsv_camera_setting
+/// surface is left out @param share of the light that the camera sees @param no_highlights see rsv_camera_setting
 static rsv_rgb follow(const rsv_glossy_rays *r, const rsv_specular_path *path, uint32_t trail,
-    rsv_rgb own, float share, bool unlit)
+    rsv_rgb own, float share, bool no_highlights)
 {
-    const rsv_camera_setting setting = { scene_of(r), r->table->solution->lights, NULL,
-        path->events > 0 ? path->events + MOST_EVENTS : WHOLE_EVENTS, false, NULL,
-        REFLECTED_VARIANCE, false, unlit };
+    const rsv_camera_setting setting = { .scene = scene_of(r),
+        .lights = r->table->solution->lights,
+        .max_events = path->events > 0 ? path->events + MOST_EVENTS : WHOLE_EVENTS,
+        .widening = REFLECTED_VARIANCE,
+        .no_highlights = no_highlights };
     found f = { r, rgb_gray(0) };
     rsv_specular_path seen = *path;
     seen.weight = rgb_scale(seen.weight, share);

@@ -117,7 +117,7 @@ static rsv_rgb light_aimed(
     const tree *t, const link *at, rsv_rough_surface *surface, const rsv_rough_numbers *numbers)
 {
     rsv_rough_surface wide;
-    if (t->setting->unlit && at->path.events == 0)
+    if (t->setting->no_highlights && at->path.events == 0)
         return rsv_rough_light_by(surface, NULL, t->lights, at->shot, numbers->light);
     if (t->setting->averages) rsv_rough_find_turns(surface);
     if (!(t->setting->widening > 0) || rsv_punctual_count(t->lights) == 0)

@@ -26,9 +26,8 @@ typedef struct rsv_camera_setting {
     /// Widens rough lobes by so much, radian^2, as they reflect punctual lights (rsv_rough_widen): fewer sparks,
     /// blurred highlights; 0 = they stay as they are
     float widening;
-    bool
-        averages; ///< highlights that are smaller than a footprint are averaged over it (rsv_rough_find_turns)
-    bool unlit; ///< punctual lights do not light the first surface, if it is rough
+    bool averages; ///< highlights smaller than a footprint are averaged over it (rsv_rough_find_turns)
+    bool no_highlights; ///< punctual lights do not light the first surface, if it is rough
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

@@ -328,8 +328,9 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
         rsv_specular_path path = rsv_specular_begin(&w->transport, NULL, ray.direction, hit);
-        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false, NULL, 0,
-            false };
+        const rsv_camera_setting setting = {
+            .scene = &w->transport, .lights = w->lights, .max_events = 64
+        };
         rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
