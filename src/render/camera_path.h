@@ -26,7 +26,7 @@ typedef struct rsv_camera_setting {
     /// Widens rough lobes by so much, radian^2, as they reflect punctual lights (rsv_rough_widen): fewer sparks,
     /// blurred highlights; 0 = they stay as they are
     float widening;
-    bool averages; ///< highlights smaller than a footprint are averaged over it (rsv_rough_find_turns)
+    bool averages; ///< highlights smaller than a footprint become its mean (rsv_rough_find_turns)
     bool no_highlights; ///< punctual lights do not light the first surface, if it is rough
 } rsv_camera_setting;
 
