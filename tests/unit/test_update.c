@@ -238,10 +238,10 @@ static world *build_coated(float specular, float x, float z)
     return w;
 }
 
-/// The share of its rays that are kept after a move.
-static double kept_share(float specular)
+/// The share of its rays that are kept after a move along x.
+static double kept_share(float specular, float z)
 {
-    world *w[2] = { build_coated(specular, 0.5f, 0.5f), build_coated(specular, 0.9f, 0.5f) };
+    world *w[2] = { build_coated(specular, 0.5f, z), build_coated(specular, 0.9f, z) };
     rsv_update_report report;
     memory m = new_memory();
     rsv_light_destroy(update(w[0], m.store, NULL));
@@ -252,11 +252,16 @@ static double kept_share(float specular)
     return (double)report.kept_row_rays / (double)report.row_rays;
 }
 
-/// Coats reflect some rays, which are traced again; the others end where they did.
+/// Coats reflect some rays, which are traced again; the others end where they did. In one place alone, the elements
+/// that each happens to get change the ratio by 0.06.
 static void coated_surfaces_keep_most_of_their_rays(void **state)
 {
     (void)state;
-    double bare = kept_share(0), coated = kept_share(1);
+    double bare = 0, coated = 0;
+    for (int k = 0; k < 3; k++) {
+        bare += kept_share(0, 0.5f + 0.6f * (float)k) / 3;
+        coated += kept_share(1, 0.5f + 0.6f * (float)k) / 3;
+    }
     if (!(coated > 0.7 * bare && coated < bare))
         fail_msg("%g of the rays were kept, and %g without coats", coated, bare);
 }
