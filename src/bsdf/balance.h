@@ -199,7 +199,7 @@ RSV_INLINE void rsv_balance_brushed(rsv_bsdf *bsdf)
     rsv_balance_channels(bsdf, &kernel, c, bsdf->brushed_balance);
 }
 
-/// Sets `balance` of a layered surface, after all other fields.
+/// Sets `balance` and `brushed_balance` of a layered surface, after all other fields.
 RSV_INLINE void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
 {
     if (!bsdf->layered || bsdf->alpha == 0) return;

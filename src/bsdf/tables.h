@@ -23,8 +23,8 @@
 #define RSV_BRUSHED_TURN 8      ///< alpha seen = across + (along - across) (k / 7)^2
 #define RSV_BRUSHED_COS 24      ///< cos = (k / 23)^2
 
-#define RSV_BRUSHED_NODE_TURNS                                                                     \
-    5 ///< of directions by which its light is shared out, placed likewise
+/// Directions between which its light is shared out, placed likewise.
+#define RSV_BRUSHED_NODE_TURNS 5
 #define RSV_BRUSHED_NODE_COS 10
 #define RSV_BRUSHED_NODES (RSV_BRUSHED_NODE_TURNS * RSV_BRUSHED_NODE_COS)
 

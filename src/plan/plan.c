@@ -62,10 +62,11 @@
 /// light than from the truth. Relative MSE, stored against gathered and against the path tracer: gallery 0.0021 and
 /// 0.0035, two-rooms 0.0095 and 0.0148, hall 0.0038 and 0.0060, staircase 0.0125 and 0.0174.
 #define BEYOND_GATHERING 1.5
-/// A finer solution has so many times the elements as its error is too large, times REFINED_BY, within these limits. Its
-/// rows have twice the rays if the error is too large by more than RAYS_EXCESS. In the Japanese classroom, three times
+/// A finer solution has so many times the elements as its error is too large, times REFINED_BY, within these limits.
+/// Its rows have twice the rays if the error is too large by more than RAYS_EXCESS. In the Japanese classroom, three times
 /// the elements with the same rays left a fifth of the error; a third round of pilots on top of that took 2.5 times the
-/// rays and left no less. A round that leaves more than LEAST_PROGRESS of the error has not helped.
+/// rays and left no less. A round that leaves more than LEAST_PROGRESS of the error has not helped: the next one has
+/// STUCK_RAYS times the rays instead, with as many elements, and is the last if it does not help either.
 #define LEAST_REFINEMENT 2.0
 #define MOST_REFINEMENT 4.0
 #define REFINED_BY 1.5
@@ -76,8 +77,8 @@
 /// Targets above this begin with one camera ray in each half, others with two.
 #define GENEROUS (2 * USUAL_ERROR)
 /// The error of elements is estimated at SPOTS pixels with FIRST_RAYS gather rays each. If that leaves more than
-/// DOUBTFUL_SHARE of the target error uncertain, more rays follow at as many others, for up to LOOK_SHARE of the cost of
-/// rows and samples. GATHER_RAY_COST is that of a gather ray alone, like GATHERED_COST.
+/// DOUBTFUL_SHARE of the target error uncertain, more rays follow at as many others, for up to LOOK_SHARE of the cost
+/// of rows and samples. GATHER_RAY_COST is that of a gather ray alone, like GATHERED_COST.
 #define SPOTS 800
 #define FIRST_RAYS 32
 #define LOOK_SHARE 0.3
@@ -268,8 +269,7 @@ static rsv_status take_first(rsv_planner *p)
 /// What one look at the elements finds.
 typedef struct elements_look {
     double error, uncertainty; ///< relative MSE due to elements, and its standard error
-    double
-        gathered_noise; ///< relative MSE of the first passes, had they one gather ray per camera ray
+    double gathered_noise; ///< relative MSE of the first passes with one gather ray per camera ray
 } elements_look;
 
 /// Repeats the last two passes at some pixels with gather rays. All other random numbers are the same, so that edges,
