@@ -63,8 +63,8 @@
 /// 0.0035, two-rooms 0.0095 and 0.0148, hall 0.0038 and 0.0060, staircase 0.0125 and 0.0174.
 #define BEYOND_GATHERING 1.5
 /// A finer solution has so many times the elements as its error is too large, times REFINED_BY, within these limits.
-/// Its rows have twice the rays if the error is too large by more than RAYS_EXCESS. In the Japanese classroom, three times
-/// the elements with the same rays left a fifth of the error; a third round of pilots on top of that took 2.5 times the
+/// Its rows have twice the rays if the error is too large by more than RAYS_EXCESS. In the Japanese classroom, three
+/// times the elements with the same rays left a fifth of the error; a third round of pilots on top of that took 2.5 times the
 /// rays and left no less. A round that leaves more than LEAST_PROGRESS of the error has not helped: the next one has
 /// STUCK_RAYS times the rays instead, with as many elements, and is the last if it does not help either.
 #define LEAST_REFINEMENT 2.0
