@@ -147,6 +147,15 @@ rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
     return status == RSV_OK ? rsv_sample_sum_add(p->context, &p->sum, samples, pass) : status;
 }
 
+rsv_status rsv_planner_find_outlines(rsv_planner *p)
+{
+    size_t pixels = (size_t)p->picture.width * p->picture.height;
+    if (!p->sum.is_outline)
+        p->sum.is_outline = rsv_alloc(p->context, pixels, sizeof *p->sum.is_outline);
+    if (!p->sum.is_outline) return RSV_ERROR_MEMORY;
+    return rsv_picture_series_find_outlines(p->series, p->sum.mean, p->sum.is_outline);
+}
+
 /// One pass of an allocated pair.
 static rsv_status take_half(
     rsv_planner *p, const rsv_allocation *allocation, int half, uint32_t *count, rsv_image **image)
@@ -472,7 +481,7 @@ static void say_what_is_missing(const rsv_planner *p)
 /// Samples where the picture is noisy, until the noise found, not just that predicted, is as low as allowed.
 static rsv_status take_passes(rsv_planner *p)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status = rsv_planner_find_outlines(p);
     double left = MOST_SAMPLES;
     for (int pass = 0; pass < MOST_PASSES && status == RSV_OK && left > 0; pass++) {
         rsv_allocation allocation = { 0 };
