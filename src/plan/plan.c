@@ -500,6 +500,23 @@ static rsv_status take_passes(rsv_planner *p)
     return status;
 }
 
+/// Whether a picture is black whatever is solved.
+static bool is_dark(const rsv_scene_view *view)
+{
+    for (size_t m = 0; m < view->material_count; m++)
+        if (view->material[m].unlit) return false;
+    return !rsv_scene_shines(view);
+}
+
+/// Without light, one path per pixel finds all there is.
+static rsv_status take_dark(rsv_planner *p)
+{
+    p->plan.mode = p->picture.mode = RSV_RENDER_REFERENCE;
+    p->plan.noise = p->plan.elements_error = 0;
+    p->plan.is_reached = true;
+    return rsv_planner_take(p, 1);
+}
+
 static rsv_status run_to_error(rsv_planner *p)
 {
     choose_elements(p);
@@ -562,8 +579,11 @@ rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     rsv_planner p;
     status = begin(scene, &settings, &seen, *light, &p);
     if (status != RSV_OK) return status;
-    status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
-                                            : run_to_error(&p);
+    if (!p.light && is_dark(rsv_scene_get_view(scene)))
+        status = take_dark(&p);
+    else
+        status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
+                                                : run_to_error(&p);
     rsv_picture_series_destroy(p.series);
     if (status == RSV_OK) {
         p.plan.samples = p.sum.samples;
