@@ -155,6 +155,18 @@ static bool check_units(const settings *s, int *exit_status)
     return false;
 }
 
+/// Whether the picture is planned, and the quality if it is not.
+static bool settle_plan(settings *s, int *exit_status)
+{
+    s->planned = is_planned(s) && !s->sequence.frames;
+    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
+    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
+    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
+                                             "pictures: leave out --mode, "
+                                             "--quality, --spp, --noise, --gather and --goal");
+    return false;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -213,14 +225,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    if (!check_sequence(s, exit_status) || !check_units(s, exit_status)) return false;
-    s->planned = is_planned(s) && !s->sequence.frames;
-    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
-    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
-    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
-                                             "pictures: leave out --mode, "
-                                             "--quality, --spp, --noise, --gather and --goal");
-    return false;
+    return check_sequence(s, exit_status) && check_units(s, exit_status) &&
+           settle_plan(s, exit_status);
 }
 
 /// Whether the picture is one of a solution.
