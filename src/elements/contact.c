@@ -2,6 +2,7 @@
 
 #include "../core/parallel.h"
 #include "../core/team.h"
+#include "cut_cells.h"
 #include "elements_constants.h"
 #include "elements_internal.h"
 #include "known_cells.h"
@@ -311,7 +312,9 @@ rsv_status rsv_elements_separate(
     reattach_hanging(e, edge);
     *rays += traced;
     if (next > e->node_count || e->hanging_count < hanging_before)
-        status = rsv_elements_renumber(e, next);
+        RSV_TRY(rsv_elements_renumber(e, next));
+    RSV_TRY(rsv_elements_find_cuts(scene, e, rays));
+    rsv_elements_find_node_areas(e);
 cleanup:
     rsv_free(e->context, edge);
     rsv_free(e->context, divided);

@@ -33,7 +33,8 @@ static uint8_t openness_of(const rsv_transport_scene *scene, const outlooks *at,
     for (int k = 0; k < 3; k++)
         through = through || (blocked[k] && (at->open >> k & 1) && (at->open >> (k + 1) % 3 & 1));
     uint32_t near = at->open;
-    if (cut && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
+    // where a wall parts open corners, each side has its own up to the wall (cut_cells.h)
+    if (cut && !through && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
     if (!near && !at->middle_open) near = at->open;
     return (uint8_t)(near | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0) |
                      (!near && at->middle_open ? RSV_CELL_OPEN_INSIDE : 0));
