@@ -190,8 +190,8 @@ static bool is_edge_cut(const rsv_transport_scene *scene, uint8_t openness,
     rsv_vec3 end[2];
     if (!(openness & RSV_CELL_CUT_THROUGH)) return false;
     for (int k = 0; k < 2; k++)
-        end[k] = rsv_cell_above(
-            openness, shape, rsv_cell_inset(shape, shape->corner[edge->corner[k]]));
+        end[k] =
+            rsv_cell_above(openness, shape, rsv_cell_inset(shape, shape->corner[edge->corner[k]]));
     return rsv_is_blocked(scene, end[0], end[1]);
 }
 

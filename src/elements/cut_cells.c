@@ -38,8 +38,7 @@ static int find_lone_corner(cut_search *s)
         walls += apart[k] = is_apart(s, (k + 1) % 3, (k + 2) % 3);
     for (int k = 0; k < 3; k++) {
         bool together =
-            walls == 2 ? !apart[k]
-                       : walls == 3 && meet_outside(s, (k + 1) % 3, (k + 2) % 3, k);
+            walls == 2 ? !apart[k] : walls == 3 && meet_outside(s, (k + 1) % 3, (k + 2) % 3, k);
         if (together) lone = k;
         found += together;
     }
@@ -150,8 +149,7 @@ static rsv_status keep_cuts(rsv_elements *e, float (*side)[3], size_t count)
     return RSV_OK;
 }
 
-rsv_status rsv_elements_find_cuts(
-    const rsv_transport_scene *scene, rsv_elements *e, uint64_t *rays)
+rsv_status rsv_elements_find_cuts(const rsv_transport_scene *scene, rsv_elements *e, uint64_t *rays)
 {
     cut_job job = { scene, e, rsv_reserve(e->context, e->cell_count, sizeof *job.side), 0, 0 };
     if (!job.side) return RSV_ERROR_MEMORY;

@@ -286,9 +286,8 @@ void rsv_elements_destroy(rsv_elements *e)
     void *arrays[] = { e->face_of[0], e->face_of[1], e->face_triangle, e->face_back, e->face_level,
         e->face_halvings, e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot,
         e->slot_openness, e->cell, e->cell_node, e->cell_openness, e->cell_cut, e->cut_side,
-        e->node_face, e->node_area,
-        e->support_begin, e->support, e->hanging, e->node_hanging, e->led_begin, e->led,
-        e->node_draw };
+        e->node_face, e->node_area, e->support_begin, e->support, e->hanging, e->node_hanging,
+        e->led_begin, e->led, e->node_draw };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_voxels_destroy(e->voxels);
@@ -313,8 +312,7 @@ size_t rsv_elements_bytes(const rsv_elements *e)
     return e->scene->triangle_count * 2 * sizeof *e->face_of[0] + e->face_count * per_face +
            e->slot_count * (sizeof *e->slot + (e->slot_openness != NULL)) +
            e->cell_count * per_cell + e->node_count * per_node +
-           e->cut_count * sizeof *e->cut_side +
-           e->hanging_count * sizeof *e->hanging +
+           e->cut_count * sizeof *e->cut_side + e->hanging_count * sizeof *e->hanging +
            (e->led_begin ? e->node_count * sizeof *e->led_begin +
                                e->led_begin[e->node_count] * sizeof *e->led
                          : 0) +

@@ -75,9 +75,10 @@ typedef struct rsv_elements {
     rsv_cell *cell;           ///< [cell_count]
     uint32_t (*cell_node)[3]; ///< [cell_count]
     uint8_t *cell_openness;   ///< [cell_count] open_corners.h; NULL = not judged
-    uint32_t *cell_cut;       ///< [cell_count] index into `cut_side`, RSV_NONE = none; NULL = no cell is cut
-    float (*cut_side)[3]; ///< [cut_count] at the corners of a cell that a wall cuts, a linear function that is positive
-                          ///< on one side of the wall and negative on the other; 0 = in the wall (cut_cells.h)
+    uint32_t *cell_cut;       ///< [cell_count] index into `cut_side`, RSV_NONE; NULL = none is cut
+    /// [cut_count] at the corners of a cell that a wall cuts, a linear function that is positive on one side of the wall
+    /// and negative on the other; 0 = in the wall (cut_cells.h)
+    float (*cut_side)[3];
     size_t cut_count;
 
     size_t node_count;   ///< on surfaces, and behind them those of `voxels`

@@ -22,7 +22,8 @@ static uint32_t find_far_corners(
 typedef struct outlooks {
     rsv_vec3 place[3], middle;
     uint32_t open; ///< corners, as bits
-    bool middle_open, beyond; ///< beyond: the cell reaches through a wall, to where it has no corner
+    bool middle_open,
+        beyond; ///< beyond: the cell reaches through a wall, to where it has no corner
 } outlooks;
 
 /// @param blocked by side of the cell: whether something stands between its ends
@@ -78,8 +79,7 @@ static bool reaches_beyond(const rsv_transport_scene *scene, const rsv_cell_shap
     for (int k = 0; k < 3; k++) {
         int open = at->open >> k & 1 ? k : (k + 1) % 3, inside = open == k ? (k + 1) % 3 : k;
         if (!blocked[k] || !(at->open >> open & 1) || at->open >> inside & 1) continue;
-        beyond = beyond ||
-                 is_open_between(scene, shape, at->place[open], at->place[inside], rays);
+        beyond = beyond || is_open_between(scene, shape, at->place[open], at->place[inside], rays);
     }
     return beyond;
 }

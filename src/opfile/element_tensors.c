@@ -105,8 +105,7 @@ static rsv_status write_cuts(rsv_tensor_file *file, rsv_elements *e)
     rsv_status status = rsv_tensor_give(
         file, "cell.cut", RSV_TENSOR_U32, 1, e->cut_count, rsv_elements_cut_cells(e));
     if (status != RSV_OK) return status;
-    return rsv_tensor_exchange(
-        file, "cell.side", RSV_TENSOR_F32, 3, &e->cut_side, &e->cut_count);
+    return rsv_tensor_exchange(file, "cell.side", RSV_TENSOR_F32, 3, &e->cut_side, &e->cut_count);
 }
 
 /// Files of versions without them have none.

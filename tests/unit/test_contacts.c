@@ -49,7 +49,10 @@ static rsv_light *solve_with(const world *w, uint32_t elements, uint32_t rays, u
     return solution;
 }
 
-static rsv_light *solve_small(const world *w, uint32_t seed) { return solve_with(w, 700, 64, seed); }
+static rsv_light *solve_small(const world *w, uint32_t seed)
+{
+    return solve_with(w, 700, 64, seed);
+}
 
 static float look_up(
     const world *w, const rsv_light *s, rsv_vec3 p, rsv_vec3 normal, uint32_t order)
