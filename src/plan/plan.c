@@ -58,9 +58,6 @@
 /// Fraction of the error of elements that gather rays leave, because only the first order of indirect light is
 /// gathered. In cornell-blocks with 40 elements, 0.0015 is left; in two-rooms at draft, 0.0013 of 0.009.
 #define GATHERED_LEFT 0.2
-/// Noise of gather rays that end in stored light, relative to those of a look, whose ends sample direct light: 0.63 in
-/// the white room, 0.4 in the gallery, 1 in cornell-blocks.
-#define STORED_ENDS_NOISE 0.65
 /// The light that gather rays come to has a part of the same error, so that stored light differs less from gathered
 /// light than from the truth. Relative MSE, stored against gathered and against the path tracer: gallery 0.0021 and
 /// 0.0035, two-rooms 0.0095 and 0.0148, hall 0.0038 and 0.0060, staircase 0.0125 and 0.0174.
@@ -139,9 +136,7 @@ static rsv_status take(rsv_planner *p, uint32_t samples, const uint32_t *count, 
     rsv_status status = RSV_OK;
     if (!p->series) status = rsv_picture_series_create(p->light, &desc, &p->series);
     if (status != RSV_OK) return status;
-    // looks at elements sample what these store; their picture need not
-    return desc.gather_rays ? rsv_picture_series_take_gathered(
-                                  p->series, &desc, count, p->plan.gathers, image)
+    return desc.gather_rays ? rsv_picture_series_take_gathered(p->series, &desc, count, image)
                             : rsv_picture_series_take(p->series, &desc, count, image);
 }
 
@@ -321,7 +316,7 @@ static elements_look compare_spots(
     elements_look look;
     look.error = rsv_pixel_error(stored, truth, desc, &look.uncertainty);
     double looked_up = noise_of(stored, count), noise = noise_of(truth, count);
-    look.gathered_noise = looked_up + STORED_ENDS_NOISE * rays * fmax(noise - looked_up, 0);
+    look.gathered_noise = looked_up + rays * fmax(noise - looked_up, 0);
     return look;
 }
 

@@ -29,7 +29,6 @@ typedef struct rsv_picture_job {
     const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
     uint32_t before;        ///< camera rays per pixel that are in the image already
     bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
-    bool stored_ends; ///< direct light where gather rays end is looked up, not sampled
 } rsv_picture_job;
 
 /// Camera rays of one row, traced together.

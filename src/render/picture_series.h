@@ -23,10 +23,8 @@ rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_r
 
 /// The same with gather rays that bring all light of sources too that elements store, except caustics that no gather
 /// ray can find and light in fog: noisier, but without the elements' error in it.
-/// @param stored_ends whether direct light where the rays end is stored light, with two thirds of the noise, but with
-/// the elements' error; it is sampled there otherwise
 rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, bool stored_ends, rsv_image **image);
+    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
 
 /// Marks pixels that outlines cross (outlines.h).
 /// @param picture of the series; it may be noisy @param is_outline [height * width] out

@@ -61,16 +61,6 @@ static void shade_translucent(
     look_up_diffused(r, face, path->u, path->v, weight);
 }
 
-/// Direct light where a gather ray ends.
-static rsv_rgb direct_at_end(
-    const rsv_picture_row *r, const rsv_specular_path *path, uint32_t face, rsv_random *random)
-{
-    const rsv_light_view *s = r->job->solution;
-    if (rsv_is_translucent(s, face)) return rsv_light_view_diffused(s, face, path->u, path->v, 0);
-    rsv_rgb stored = rsv_light_view_direct(s, face, path->u, path->v, !r->job->stored_ends);
-    return r->job->stored_ends ? stored : rgb_add(stored, rsv_sampled_irradiance(s, path, random));
-}
-
 /// One gather ray's contribution to each order at the receiver.
 static void add_gathered(
     rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
@@ -83,7 +73,9 @@ static void add_gathered(
     const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
     weight = rgb_mul(rgb_mul(weight, path->weight), bsdf->base_color);
     bool translucent = rsv_is_translucent(s, face);
-    rsv_rgb direct = direct_at_end(r, path, face, random);
+    rsv_rgb direct = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, 0)
+                                 : rgb_add(rsv_light_view_direct(s, face, path->u, path->v, true),
+                                       rsv_sampled_irradiance(s, path, random));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
     if (r->job->layer_count == 1) {
         rsv_rgb e = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, RSV_NONE)
