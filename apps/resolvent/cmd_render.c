@@ -109,7 +109,7 @@ typedef struct settings {
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
-    bool layers, goal, photometric;
+    bool layers, goal, photometric, denoise;
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
@@ -183,6 +183,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 1e9 },
         { .name = "--gloss", .kind = CLI_CHOICE, .value = &s->gloss, .choices = gloss_names },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
+        { .name = "--denoise", .kind = CLI_FLAG, .value = &s->denoise },
         CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--photometric", .kind = CLI_FLAG, .value = &s->photometric },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
@@ -345,6 +346,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
+    desc->denoise = s->denoise;
     desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
         .f_number = s->fstop,
         .focus_distance = s->focus,

@@ -3,6 +3,7 @@
 #include "../core/parallel.h"
 #include "../core/team.h"
 #include "../trace/backs.h"
+#include "picture_filter.h"
 #include "picture_row.h"
 #include "picture_series.h"
 #include "shot_light.h"
@@ -20,7 +21,7 @@ static rsv_status unite_rows(const rsv_picture_job *job)
 {
     rsv_context *context = job->solution->context;
     size_t width = job->desc->width, height = job->desc->height;
-    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+    for (uint32_t layer = 0; layer < rsv_image_layer_count(job->image); layer++)
         rsv_team_merge(
             context, rsv_image_pixels(job->image, layer), width * sizeof(rsv_rgb), height, 1);
     if (job->noise) rsv_team_merge(context, job->noise, width * sizeof *job->noise, height, 1);
@@ -98,6 +99,15 @@ static rsv_status render_passes(rsv_picture_job *job)
     return status;
 }
 
+static rsv_status name_guides(rsv_image *image, uint32_t first)
+{
+    static const char *const names[] = { "diffuse", "albedo", "normal", "place" };
+    rsv_status status = RSV_OK;
+    for (uint32_t guide = 0; guide < RSV_PICTURE_GUIDES && status == RSV_OK; guide++)
+        status = rsv_image_set_layer_name(image, first + guide, names[guide]);
+    return status;
+}
+
 static rsv_status name_layers(rsv_image *image, uint32_t layer_count)
 {
     rsv_status status = RSV_OK;
@@ -134,6 +144,9 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "render: this light keeps no bounces (it followed moved objects, or was changed as a whole), so it has no "
             "layers; solve again for them");
+    if (desc->denoise && (desc->layers || desc->shared_pattern))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: a picture with %s cannot be denoised",
+            desc->layers ? "layers" : "a shared pattern");
     if (desc->mode == RSV_RENDER_REFERENCE)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: use rsv_render_reference for mode reference");
     return rsv_film_check(&desc->film,
@@ -194,9 +207,12 @@ static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *
     if (status != RSV_OK) return status;
     job.desc = desc;
     job.layer_count = desc->layers ? 1 + RSV_PICTURE_LAYERS : 1;
-    RSV_TRY(rsv_image_create(
-        job.solution->context, desc->width, desc->height, job.layer_count, &job.image));
+    job.guides = desc->denoise;
+    uint32_t layers = job.layer_count + (job.guides ? RSV_PICTURE_GUIDES : 0);
+    RSV_TRY(
+        rsv_image_create(job.solution->context, desc->width, desc->height, layers, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
+    if (job.guides) RSV_TRY(name_guides(job.image, job.layer_count));
     RSV_TRY(render_passes(&job));
     if (series->shot) RSV_TRY(rsv_shot_light_add(series->shot, desc, job.image));
     *image = job.image;
@@ -230,13 +246,34 @@ bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series)
     return in_fog || rsv_has_unseen_caustics(solution);
 }
 
+/// Two halves with independent noise, and their filtered mean.
+static rsv_status take_filtered(
+    const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
+{
+    rsv_status status = RSV_OK;
+    rsv_image *half[2] = { NULL, NULL };
+    rsv_render_desc of_half = *desc;
+    of_half.samples = desc->samples / 2 + desc->samples % 2;
+    for (uint32_t k = 0; k < 2; k++) {
+        of_half.seed = k == 0 ? desc->seed : rsv_hash2(desc->seed, 0x4a1fu);
+        RSV_TRY(rsv_picture_series_take(series, &of_half, NULL, &half[k]));
+    }
+    RSV_TRY(rsv_picture_filter(series->job.solution->context, half, image));
+cleanup:
+    rsv_image_destroy(half[0]);
+    rsv_image_destroy(half[1]);
+    return status;
+}
+
 rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_picture_series *series = NULL;
     rsv_render_desc settings = rsv_default_render_desc();
     rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, desc);
     if (status == RSV_OK) status = rsv_picture_series_create(light, &settings, &series);
-    if (status == RSV_OK) status = rsv_picture_series_take(series, &settings, NULL, image);
+    if (status == RSV_OK)
+        status = settings.denoise ? take_filtered(series, &settings, image)
+                                  : rsv_picture_series_take(series, &settings, NULL, image);
     rsv_picture_series_destroy(series);
     return status;
 }
