@@ -52,6 +52,10 @@ static const char help[] =
     "                     fisheye: the half space ahead, in a circle\n"
     "  --goal             refine the surfaces that this camera sees, directly or through reflected light\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
+    "  --denoise          final: remove noise with a filter that keeps edges and textures but may blur\n"
+    "                     faint detail. Default for .png alone, with --quality draft or without options\n"
+    "                     for quality\n"
+    "  --no-denoise       keep the noise\n"
     "  --gloss KIND       operator: reflections in rough surfaces by paths (default; unbiased), or reused\n"
     "                     among neighbours, as in `view` (fast, slightly biased)\n"
     "  --layers           .exr: one more layer for each order of light: emission, direct, bounce1, ...\n"
@@ -109,7 +113,7 @@ typedef struct settings {
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
-    bool layers, goal, photometric, denoise;
+    bool layers, goal, photometric, denoise, no_denoise;
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
@@ -118,6 +122,18 @@ static bool is_planned(const settings *s)
 {
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
+}
+
+/// Whether the picture is to be looked at, and no option asks for exact values: it is filtered then.
+static bool is_first_look(const settings *s)
+{
+    for (size_t k = 0; k < s->outputs.count; k++)
+        if (!cli_ends_in(s->outputs.item[k], ".png")) return false;
+    bool by_default = s->planned && s->target.share == 0 && s->target.max_seconds == 0;
+    bool is_draft = s->solve.quality == RSV_QUALITY_DRAFT && !s->samples && s->noise < 0 &&
+                    !s->gather_rays && s->target.share == 0;
+    return s->mode == RSV_RENDER_FINAL && (by_default || is_draft) && !s->no_denoise &&
+           !s->layers && !s->sequence.frames;
 }
 
 /// Refuses options that exclude each other.
@@ -153,6 +169,29 @@ static bool check_units(const settings *s, int *exit_status)
     return false;
 }
 
+static bool check_denoise(const settings *s, int *exit_status)
+{
+    const char *wrong = s->no_denoise                 ? "--no-denoise"
+                        : s->mode != RSV_RENDER_FINAL ? "modes other than final"
+                        : s->layers                   ? "--layers"
+                                                      : NULL;
+    if (!s->denoise || !wrong) return true;
+    *exit_status = cli_usage_error("render", "--denoise and %s exclude each other", wrong);
+    return false;
+}
+
+static bool choose_plan(settings *s, int *exit_status)
+{
+    s->planned = is_planned(s) && !s->sequence.frames;
+    s->denoise = s->denoise || is_first_look(s);
+    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
+    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
+    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
+                                             "pictures: leave out --mode, "
+                                             "--quality, --spp, --noise, --gather and --goal");
+    return false;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -184,6 +223,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--gloss", .kind = CLI_CHOICE, .value = &s->gloss, .choices = gloss_names },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         { .name = "--denoise", .kind = CLI_FLAG, .value = &s->denoise },
+        { .name = "--no-denoise", .kind = CLI_FLAG, .value = &s->no_denoise },
         CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--photometric", .kind = CLI_FLAG, .value = &s->photometric },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
@@ -208,14 +248,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    if (!check_sequence(s, exit_status) || !check_units(s, exit_status)) return false;
-    s->planned = is_planned(s) && !s->sequence.frames;
-    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
-    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
-    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
-                                             "pictures: leave out --mode, "
-                                             "--quality, --spp, --noise, --gather and --goal");
-    return false;
+    return check_sequence(s, exit_status) && check_units(s, exit_status) &&
+           check_denoise(s, exit_status) && choose_plan(s, exit_status);
 }
 
 /// Whether the picture is one of a solution.
@@ -362,6 +396,7 @@ static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
     bool sums = picture->mode == RSV_RENDER_OPERATOR && !picture->layers;
     size_t bytes = s->planned || picture->noise > 0 || sums ? 46 : 25;
     if (picture->layers) bytes += 120;
+    if (picture->denoise) bytes += s->planned ? 400 : 280;
     return picture->width * (size_t)picture->height * bytes;
 }
 

@@ -8,8 +8,6 @@
 ///   light is filtered by itself.
 /// - Weights come from the surfaces (normal, distance) and from the light of one half, and are applied to the other, so
 ///   that noise does not select itself.
-/// - Two such means, one of them by the surfaces alone, and the unfiltered pixel are mixed by their squared errors,
-///   which the halves show.
 #ifndef RSV_DENOISE_H
 #define RSV_DENOISE_H
 

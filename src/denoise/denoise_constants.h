@@ -3,12 +3,11 @@
 #define RSV_DENOISE_CONSTANTS_H
 
 /// Pixels on either side that a mean takes in.
-#define RADIUS 7
+#define RADIUS 5
 /// Pixels on either side that the light of two places is compared over.
 #define PATCH 2
-/// Pixels on either side over which variances and errors are averaged.
+/// Pixels on either side over which variances are averaged.
 #define VARIANCE_RADIUS 2
-#define ERROR_RADIUS 3
 /// Squared differences of light that exceed their variance by so much of it count as 1.
 #define LIGHT_TOLERANCE 0.5f
 /// Squared difference of normals, and deviation from the plane of a pixel relative to its distance, that count as 1.

@@ -36,21 +36,6 @@ static inline size_t rsv_plane_source(const rsv_plane_grid *grid, size_t column,
     return y * grid->width + x;
 }
 
-/// What the filter knows of the surfaces; all [plane].
-typedef struct rsv_surface_planes {
-    float *normal[3];
-    float *normal_variance; ///< of the mean of both halves
-    float *place;           ///< 1 / distance, which is affine on planes; below 0 in margins
-    float *slope[2];        ///< of place along x and y
-    float *place_scale;     ///< 1 / square of the deviation from the plane that counts as 1
-} rsv_surface_planes;
-
-/// Light that is filtered; all [plane].
-typedef struct rsv_light_planes {
-    float *half[2][3];
-    float *variance; ///< of a half: sum over channels
-} rsv_light_planes;
-
 /// Zeroed planes, one after the other; to be freed.
 float *rsv_planes_create(const rsv_plane_grid *grid, size_t count);
 

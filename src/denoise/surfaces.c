@@ -2,6 +2,8 @@
 
 #include "denoise_constants.h"
 
+#define OUTSIDE -1e10f ///< place in margins: like no surface
+
 typedef struct surface_job {
     const rsv_plane_grid *grid;
     const rsv_denoise_half *half;
@@ -30,7 +32,7 @@ static void read_row(const void *user, size_t row)
             0.25f * (apart.r * apart.r + apart.g * apart.g + apart.b * apart.b);
         s->place[p] = is_inside(job->grid, column, row)
                           ? 0.5f * (job->half[0].place[from].r + job->half[1].place[from].r)
-                          : -1;
+                          : OUTSIDE;
     }
 }
 
@@ -43,11 +45,12 @@ static float mean_step(const float *place, ptrdiff_t step, ptrdiff_t across)
     return sum / 3;
 }
 
-/// The lesser of the slopes to both sides: an edge is not one.
+/// The lesser of the slopes to both sides: edges and margins are none.
 static float slope_of(const float *place, ptrdiff_t step, ptrdiff_t across)
 {
     float after = mean_step(place, step, across), before = -mean_step(place, -step, across);
-    return fabsf(after) < fabsf(before) ? after : before;
+    float lesser = fabsf(after) < fabsf(before) ? after : before;
+    return fabsf(lesser) < *place ? lesser : 0;
 }
 
 static void find_slopes(const void *user, size_t y)

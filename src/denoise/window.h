@@ -2,21 +2,20 @@
 #ifndef RSV_DENOISE_WINDOW_H
 #define RSV_DENOISE_WINDOW_H
 
-#include "planes.h"
+#include "surfaces.h"
 
-typedef enum rsv_mean_kind {
-    RSV_MEAN_BY_LIGHT,    ///< by surfaces and the light of the other half
-    RSV_MEAN_BY_SURFACES, ///< by surfaces alone
-    RSV_MEAN_KINDS
-} rsv_mean_kind;
+#define RSV_KINDS_OF_LIGHT 2
 
-/// Filtered light; all [plane].
-typedef struct rsv_filtered_planes {
-    float *half[RSV_MEAN_KINDS][2][3];
-} rsv_filtered_planes;
+/// Light that is filtered; all [plane].
+typedef struct rsv_light_planes {
+    float *half[2][3];
+    float *variance; ///< of a half: sum over channels
+    float least;     ///< variance that counts as none
+    float *mean[3];  ///< out: of both halves, filtered; unfiltered where there is no variance
+} rsv_light_planes;
 
-/// @param least variance that counts as none
+/// Filters several kinds of light by the same surfaces.
 void rsv_filter_windows(const rsv_plane_grid *grid, const rsv_surface_planes *surfaces,
-    const rsv_light_planes *light, float least, const rsv_filtered_planes *filtered);
+    const rsv_light_planes *light, int count);
 
 #endif

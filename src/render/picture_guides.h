@@ -3,7 +3,7 @@
 #define RSV_PICTURE_GUIDES_H
 
 #include "../core/vec.h"
-#include "resolvent/image.h"
+#include "resolvent/render.h"
 
 /// Layers, from 1 on. Like the picture, they are means over a pixel's camera rays.
 typedef enum rsv_picture_guide {
