@@ -183,7 +183,6 @@ static bool check_denoise(const settings *s, int *exit_status)
 static bool choose_plan(settings *s, int *exit_status)
 {
     s->planned = is_planned(s) && !s->sequence.frames;
-    s->denoise = s->denoise || is_first_look(s);
     if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
     if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
     *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
@@ -380,7 +379,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
-    desc->denoise = s->denoise;
+    desc->denoise = s->denoise || is_first_look(s);
     desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
         .f_number = s->fstop,
         .focus_distance = s->focus,
@@ -684,6 +683,8 @@ static int run(cli_session *session, settings *s)
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
+    if (desc.denoise && !s->denoise)
+        cli_note(session, "noise will be filtered out of the picture; --no-denoise keeps it");
 
     rsv_status status = RSV_OK;
     if (s->planned)

@@ -62,8 +62,7 @@ static void read_light(const void *user, size_t row)
         light->half[1][0][p] = b.r;
         light->half[1][1][p] = b.g;
         light->half[1][2][p] = b.b;
-        f->variance[p] =
-            0.5f * (apart.r * apart.r + apart.g * apart.g + apart.b * apart.b);
+        f->variance[p] = 0.5f * (apart.r * apart.r + apart.g * apart.g + apart.b * apart.b);
     }
 }
 
@@ -107,9 +106,8 @@ static void join_lights(const void *user, size_t y)
     const filter *f = user;
     for (size_t x = 0; x < f->grid.width; x++) {
         size_t p = rsv_plane_place(&f->grid, x, y), pixel = y * f->grid.width + x;
-        rsv_rgb albedo = rgb_scale(rgb_add(divisor(f->half[0].albedo[pixel]),
-                                       divisor(f->half[1].albedo[pixel])),
-            0.5f);
+        rsv_rgb albedo = rgb_scale(
+            rgb_add(divisor(f->half[0].albedo[pixel]), divisor(f->half[1].albedo[pixel])), 0.5f);
         rsv_rgb diffuse = rgb_mul(filtered(f, DIFFUSE, p), albedo);
         f->picture[pixel] = rgb_positive(rgb_add(diffuse, filtered(f, OTHER, p)));
     }

@@ -9,7 +9,7 @@
 /// Pixels on either side over which variances are averaged.
 #define VARIANCE_RADIUS 2
 /// Squared differences of light that exceed their variance by so much of it count as 1.
-#define LIGHT_TOLERANCE 0.5f
+#define LIGHT_TOLERANCE 0.4f
 /// Squared difference of normals, and deviation from the plane of a pixel relative to its distance, that count as 1.
 #define NORMAL_TOLERANCE 0.01f
 #define PLACE_TOLERANCE 0.01f

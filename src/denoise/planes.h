@@ -19,7 +19,10 @@ typedef struct rsv_plane_grid {
 
 rsv_plane_grid rsv_plane_grid_of(rsv_context *context, uint32_t width, uint32_t height);
 
-static inline size_t rsv_plane_size(const rsv_plane_grid *grid) { return grid->stride * grid->rows; }
+static inline size_t rsv_plane_size(const rsv_plane_grid *grid)
+{
+    return grid->stride * grid->rows;
+}
 
 /// Index of a pixel.
 static inline size_t rsv_plane_place(const rsv_plane_grid *grid, size_t x, size_t y)

@@ -28,8 +28,7 @@ static void read_row(const void *user, size_t row)
         s->normal[0][p] = 0.5f * (a.r + b.r);
         s->normal[1][p] = 0.5f * (a.g + b.g);
         s->normal[2][p] = 0.5f * (a.b + b.b);
-        s->normal_variance[p] =
-            0.25f * (apart.r * apart.r + apart.g * apart.g + apart.b * apart.b);
+        s->normal_variance[p] = 0.25f * (apart.r * apart.r + apart.g * apart.g + apart.b * apart.b);
         s->place[p] = is_inside(job->grid, column, row)
                           ? 0.5f * (job->half[0].place[from].r + job->half[1].place[from].r)
                           : OUTSIDE;
@@ -73,9 +72,9 @@ void rsv_find_surfaces(const rsv_plane_grid *grid, const rsv_denoise_half half[2
 {
     size_t size = rsv_plane_size(grid);
     surface_job job = { grid, half, surfaces };
-    *surfaces = (rsv_surface_planes){ { planes, planes + size, planes + 2 * size },
-        planes + 3 * size, planes + 4 * size, { planes + 5 * size, planes + 6 * size },
-        planes + 7 * size };
+    *surfaces =
+        (rsv_surface_planes){ { planes, planes + size, planes + 2 * size }, planes + 3 * size,
+            planes + 4 * size, { planes + 5 * size, planes + 6 * size }, planes + 7 * size };
     rsv_for_plane_rows(grid, grid->rows, read_row, &job);
     rsv_for_plane_rows(grid, grid->height, find_slopes, &job);
 }

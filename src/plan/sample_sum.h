@@ -14,13 +14,13 @@ typedef struct rsv_summed_pixel {
 
 /// Passes come in pairs of equally many samples: their difference gives the noise.
 typedef struct rsv_sample_sum {
-    rsv_image *mean; ///< weighted by samples; NULL = no pass yet
+    rsv_image *mean;    ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2]; ///< the first two passes
     rsv_image *side[2]; ///< sums of every other pass, with guides, if passes have them; NULL = none
     uint32_t *side_samples[2]; ///< [height * width] of these; NULL = half_samples
-    rsv_summed_pixel *pixel; ///< [height * width]; NULL = equally many samples in all
-    uint32_t samples;        ///< of all passes, on average
-    uint32_t half_samples;   ///< of each half
+    rsv_summed_pixel *pixel;   ///< [height * width]; NULL = equally many samples in all
+    uint32_t samples;          ///< of all passes, on average
+    uint32_t half_samples;     ///< of each half
 } rsv_sample_sum;
 
 /// Adds a pass, which it then owns. Its first layer is used for the noise.

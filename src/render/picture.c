@@ -73,6 +73,20 @@ static rsv_status render_rows(const rsv_picture_job *job)
     return result == RSV_OK ? unite_rows(job) : result;
 }
 
+/// Plans the second pass: of a part, so that all of them together reach the target.
+static void plan_second_pass(rsv_picture_job *job, uint32_t *extra)
+{
+    const rsv_render_desc *desc = job->desc;
+    uint32_t samples = desc->samples / job->parts; // the parts divide them
+    float wanted = desc->noise * sqrtf((float)job->parts);
+    rsv_plan_samples(job->image, job->noise, samples, wanted, extra);
+    job->count = extra;
+    job->before = samples;
+    job->seed = rsv_hash2(desc->seed, 0x2be7u + job->part);
+    job->parts = 1;
+    job->part = 0;
+}
+
 /// Renders all pixels equally, and then the noisy ones again.
 static rsv_status render_passes(rsv_picture_job *job)
 {
@@ -88,10 +102,7 @@ static rsv_status render_passes(rsv_picture_job *job)
     if (!job->noise || !extra) status = RSV_ERROR_MEMORY;
     if (status == RSV_OK) status = render_rows(job);
     if (status == RSV_OK) {
-        rsv_plan_samples(job->image, job->noise, desc->samples, desc->noise, extra);
-        job->count = extra;
-        job->before = desc->samples;
-        job->seed = rsv_hash2(desc->seed, 0x2be7u);
+        plan_second_pass(job, extra);
         status = render_rows(job);
     }
     rsv_free(context, job->noise);
@@ -157,6 +168,7 @@ static void begin_job(
     const rsv_light_view *solution, const rsv_render_desc *desc, rsv_picture_job *job)
 {
     *job = (rsv_picture_job){ .solution = solution,
+        .parts = 1,
         .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera] };
     job->film = rsv_film_of(solution->tracer, &desc->film, job->camera, desc->width, desc->height);
     job->spread = rsv_film_spread(&job->film);
@@ -199,6 +211,15 @@ void rsv_picture_series_destroy(rsv_picture_series *s)
     rsv_free(s->job.solution->context, s);
 }
 
+/// Light paths of a part are its own.
+static rsv_status shoot(const rsv_shot_light *shot, const rsv_picture_job *job)
+{
+    rsv_render_desc desc = *job->desc;
+    desc.samples /= job->parts;
+    if (job->part > 0) desc.seed = rsv_hash2(desc.seed, job->part);
+    return rsv_shot_light_add(shot, &desc, job->image);
+}
+
 /// @param job with the number of samples and what is gathered
 static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *desc,
     rsv_picture_job job, rsv_image **image)
@@ -209,12 +230,12 @@ static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *
     job.layer_count = desc->layers ? 1 + RSV_PICTURE_LAYERS : 1;
     job.guides = desc->denoise;
     uint32_t layers = job.layer_count + (job.guides ? RSV_PICTURE_GUIDES : 0);
-    RSV_TRY(
-        rsv_image_create(job.solution->context, desc->width, desc->height, layers, &job.image));
+    RSV_TRY(rsv_image_create(job.solution->context, desc->width, desc->height, layers, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
     if (job.guides) RSV_TRY(name_guides(job.image, job.layer_count));
-    RSV_TRY(render_passes(&job));
-    if (series->shot) RSV_TRY(rsv_shot_light_add(series->shot, desc, job.image));
+    rsv_picture_job passes = job;
+    RSV_TRY(render_passes(&passes));
+    if (series->shot) RSV_TRY(shoot(series->shot, &job));
     *image = job.image;
     job.image = NULL;
 cleanup:
@@ -246,18 +267,18 @@ bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series)
     return in_fog || rsv_has_unseen_caustics(solution);
 }
 
-/// Two halves with independent noise, and their filtered mean.
+/// Two halves of the same camera rays, and their filtered mean.
 static rsv_status take_filtered(
     const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_status status = RSV_OK;
     rsv_image *half[2] = { NULL, NULL };
-    rsv_render_desc of_half = *desc;
-    of_half.samples = desc->samples / 2 + desc->samples % 2;
-    for (uint32_t k = 0; k < 2; k++) {
-        of_half.seed = k == 0 ? desc->seed : rsv_hash2(desc->seed, 0x4a1fu);
-        RSV_TRY(rsv_picture_series_take(series, &of_half, NULL, &half[k]));
-    }
+    rsv_render_desc even = *desc;
+    rsv_picture_job job = series->job;
+    even.samples += desc->samples % 2;
+    job.parts = 2;
+    for (job.part = 0; job.part < 2; job.part++)
+        RSV_TRY(take(series, &even, job, &half[job.part]));
     RSV_TRY(rsv_picture_filter(series->job.solution->context, half, image));
 cleanup:
     rsv_image_destroy(half[0]);

@@ -6,7 +6,6 @@
 
 /// Filters the mean of two pictures with guides, of the same view and with independent noise.
 /// @param image out: of one layer
-rsv_status rsv_picture_filter(
-    rsv_context *context, rsv_image *const half[2], rsv_image **image);
+rsv_status rsv_picture_filter(rsv_context *context, rsv_image *const half[2], rsv_image **image);
 
 #endif

@@ -17,6 +17,12 @@ static uint32_t samples_of(const rsv_picture_row *r, uint32_t column)
     return job->count ? job->count[(size_t)r->row * job->desc->width + column] : job->desc->samples;
 }
 
+/// Of these camera rays, those of this part.
+static uint32_t part_of(const rsv_picture_job *job, uint32_t samples)
+{
+    return (samples + job->parts - 1 - job->part) / job->parts;
+}
+
 static void add_direct_light(void *user, uint32_t column, const rsv_pixel_light *light)
 {
     rsv_picture_row *r = user;
@@ -177,7 +183,7 @@ static void average(const rsv_picture_row *r, uint32_t layer, const rsv_rgb *sum
     const rsv_picture_job *job = r->job;
     rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width;
     for (uint32_t column = 0; column < job->desc->width; column++) {
-        uint32_t samples = samples_of(r, column), before = job->before;
+        uint32_t samples = part_of(job, samples_of(r, column)), before = job->before;
         if (samples == 0) continue;
         rsv_rgb both = rgb_mad(sum[column], (float)before, out[column]);
         out[column] = rgb_scale(both, 1 / (float)(before + samples));
@@ -207,7 +213,7 @@ rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t index)
     memset(r->noise, 0, width * sizeof *r->noise);
     for (uint32_t column = 0; column < width; column++) {
         uint32_t samples = samples_of(r, column);
-        for (uint32_t sample = 0; sample < samples; sample++) {
+        for (uint32_t sample = job->part; sample < samples; sample += job->parts) {
             aim(r, column, sample, samples);
             if (r->batch.count == LANES) trace_batch(r);
         }

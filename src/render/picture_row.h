@@ -5,8 +5,8 @@
 #include "../solve/light.h"
 #include "../trace/film.h"
 #include "camera_path.h"
-#include "pixel_direct.h"
 #include "picture_guides.h"
+#include "pixel_direct.h"
 #include "pixel_noise.h"
 #include "resolvent/render.h"
 
@@ -29,6 +29,7 @@ typedef struct rsv_picture_job {
     uint32_t seed;          ///< of the pass
     rsv_pixel_noise *noise; ///< [height * width] of the first pass; NULL = not needed
     const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
+    uint32_t parts, part;   ///< camera rays are dealt out to so many pictures, of which this is one
     uint32_t before;        ///< camera rays per pixel that are in the image already
     bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
 } rsv_picture_job;

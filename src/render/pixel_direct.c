@@ -131,9 +131,10 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, con
     rsv_local_lights local;
     rsv_receiver_weigh(&lit->receiver, d->solution->lights, &local);
     if (rsv_local_lights_are_dark(&local)) return;
-    rsv_direct_term term = {
-        .column = column, .sample = sample.index, .of_first = path->events == 0, .exact = rgb_mul(weight, local.unshadowed)
-    };
+    rsv_direct_term term = { .column = column,
+        .sample = sample.index,
+        .of_first = path->events == 0,
+        .exact = rgb_mul(weight, local.unshadowed) };
     term.expected = rgb_luminance(term.exact) + rgb_luminance(weight) * local.tree_estimate;
     if (!push_term(d, term)) return;
     push_spot(d, path, weight, sample);
@@ -141,8 +142,8 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, con
 }
 
 /// @param like a term without light
-static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_pixel_sample sample,
-    const rsv_direct_term *like)
+static void add_punctual(
+    rsv_pixel_direct *d, const lit_point *lit, rsv_pixel_sample sample, const rsv_direct_term *like)
 {
     const rsv_lights *lights = d->solution->lights;
     float u = rsv_pixel_sample_1d(sample, 5);

@@ -71,7 +71,8 @@ static void run(pictures *p, int threads)
     rsv_context *context = new_context(threads);
     rsv_denoise_half half[2];
     for (int k = 0; k < 2; k++)
-        half[k] = (rsv_denoise_half){ p->picture[k], p->diffuse[k], p->albedo, p->normal, p->place };
+        half[k] =
+            (rsv_denoise_half){ p->picture[k], p->diffuse[k], p->albedo, p->normal, p->place };
     assert_int_equal(rsv_denoise(context, p->width, p->height, half, p->filtered), RSV_OK);
     rsv_context_destroy(context);
 }
@@ -224,7 +225,8 @@ static rsv_image *render(const rsv_light *light, rsv_render_desc desc)
     return image;
 }
 
-/// A picture of the box at the same number of camera rays: less than half of the noise, the same brightness.
+/// A picture of the box with gathered light, at the same number of camera rays: half of the error, the same
+/// brightness.
 static void a_rendered_picture_gets_better(void **state)
 {
     (void)state;
@@ -234,8 +236,9 @@ static void a_rendered_picture_gets_better(void **state)
     rsv_light *light;
     assert_int_equal(rsv_light_create(w->scene, &solve, &light), RSV_OK);
     rsv_render_desc desc = rsv_default_render_desc();
-    desc.width = desc.height = 96;
-    desc.samples = 64;
+    desc.width = desc.height = 64;
+    desc.samples = 16;
+    desc.gather_rays = 4;
     rsv_image *judge[2];
     for (uint32_t k = 0; k < 2; k++) {
         desc.seed = 7 + k;
@@ -253,11 +256,11 @@ static void a_rendered_picture_gets_better(void **state)
     assert_int_equal(rsv_image_layer_count(filtered), 1);
     assert_int_equal(rsv_image_judge(pair, layers, noisy, 0, &before), RSV_OK);
     assert_int_equal(rsv_image_judge(pair, layers, filtered, 0, &after), RSV_OK);
-    assert_int_equal(rsv_image_compare(judge[0], 0, filtered, 0, &difference), RSV_OK);
+    assert_int_equal(rsv_image_compare(noisy, 0, filtered, 0, &difference), RSV_OK);
     print_message("relative MSE %.5f, filtered %.5f; brightness %.5f\n", before.relative_mse,
         after.relative_mse, difference.mean_ratio);
     assert_true(after.relative_mse < 0.5 * before.relative_mse);
-    assert_true(fabs(difference.mean_ratio - 1) < 2e-3);
+    assert_true(fabs(difference.mean_ratio - 1) < 1e-3);
     desc.layers = true;
     rsv_image *none = NULL;
     assert_int_equal(rsv_render(light, &desc, &none), RSV_ERROR_ARGUMENT);
