@@ -213,6 +213,7 @@ void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
         rsv_free(context, sum->side_samples[k]);
         rsv_image_destroy(sum->side[k]);
     }
+    rsv_free(context, sum->is_outline);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);
     rsv_image_destroy(sum->half[1]);
