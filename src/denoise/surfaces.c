@@ -2,7 +2,7 @@
 
 #include "denoise_constants.h"
 
-#define OUTSIDE -1e10f ///< place in margins: like no surface
+#define OUTSIDE (-1e10f) ///< place in margins: like no surface
 
 typedef struct surface_job {
     const rsv_plane_grid *grid;
