@@ -506,10 +506,14 @@ static double resolvent_of(const rsv_solve_report *report)
     return 1 / (1 - fmin(fmax(report->spectral_radius, 0), RSV_LOSSLESS));
 }
 
-static rsv_solver solver_to_go_on(const rsv_light *s)
+/// Where few orders are wanted, the series: each adds the light that arrives next. Otherwise GMRES, which takes half as
+/// many applications (docs/benchmarks/solver.md) and needs no setup.
+static rsv_solver solver_to_go_on(const rsv_light *s, uint32_t max_orders)
 {
     if (s->desc.solver != RSV_SOLVER_AUTO) return s->desc.solver;
-    return s->report.solver == RSV_SOLVER_AUTO ? RSV_SOLVER_NEUMANN : s->report.solver;
+    if (s->report.solver != RSV_SOLVER_AUTO && s->report.solver != RSV_SOLVER_NEUMANN)
+        return s->report.solver;
+    return max_orders < s->desc.max_orders ? RSV_SOLVER_NEUMANN : RSV_SOLVER_GMRES;
 }
 
 /// @param guess [node_count] E of before in, E out
@@ -523,9 +527,9 @@ static rsv_status solve_from(series *q, rsv_rgb *guess, uint32_t max_orders)
     memcpy(q->term, s->field.source, nodes * sizeof *q->term);
     rsv_transport_map_mask(q->map, 1, q->term);
     rsv_transport_map_mask(q->map, 1, guess);
-    const rsv_linear_desc desc = {
-        .solver = solver_to_go_on(s), .absolute = q->target, .max_applications = max_orders
-    };
+    const rsv_linear_desc desc = { .solver = solver_to_go_on(s, max_orders),
+        .absolute = q->target,
+        .max_applications = max_orders };
     RSV_TRY(rsv_transport_map_prepare(q->map, desc.solver));
     RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &guess->r, &linear));
     report->iterations = (uint32_t)ceil(linear.applications);
