@@ -64,6 +64,8 @@ static const char help[] =
     "                     at that error\n"
     "  --threads N        default: one per core; the picture does not depend on it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, time of each phase, norms and residuals (docs/stats.md)\n"
+    "  --certificate      add a short certificate of the solution to --stats (docs/certificate.md); in a\n"
+    "                     furnished room, it can take longer than the picture\n"
     "\n"
     "examples:\n"
     "  resolvent render cornell-spheres -o spheres.png\n"
@@ -109,7 +111,7 @@ typedef struct settings {
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
-    bool layers, goal, photometric;
+    bool layers, goal, photometric, certificate;
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
@@ -150,6 +152,18 @@ static bool check_units(const settings *s, int *exit_status)
                                           "cd/m2"
                                         : "--photometric is not supported by the occlusion modes, "
                                           "which compute no light");
+    return false;
+}
+
+/// Whether the picture is planned, and the quality if it is not.
+static bool settle_plan(settings *s, int *exit_status)
+{
+    s->planned = is_planned(s) && !s->sequence.frames;
+    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
+    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
+    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
+                                             "pictures: leave out --mode, "
+                                             "--quality, --spp, --noise, --gather and --goal");
     return false;
 }
 
@@ -198,6 +212,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_FOG_HEIGHT_OPTION(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = "--certificate",
+            .kind = CLI_FLAG,
+            .value = &s->certificate,
+            .goes_with = "--stats" },
         { .name = NULL },
     };
     const cli_usage usage = { "render", help, options, "SCENE", 1, 1,
@@ -207,14 +225,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    if (!check_sequence(s, exit_status) || !check_units(s, exit_status)) return false;
-    s->planned = is_planned(s) && !s->sequence.frames;
-    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
-    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
-    *exit_status = cli_usage_error("render", "--max-time requires --error, except for planned "
-                                             "pictures: leave out --mode, "
-                                             "--quality, --spp, --noise, --gather and --goal");
-    return false;
+    return check_sequence(s, exit_status) && check_units(s, exit_status) &&
+           settle_plan(s, exit_status);
 }
 
 /// Whether the picture is one of a solution.
@@ -264,9 +276,10 @@ static bool takes_the_film(const settings *s)
 /// Refuses, before the long work, what this build cannot do and outputs that cannot be written.
 static bool check_request(const settings *s)
 {
-    if (!is_solved(s) &&
-        (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal || s->noise >= 0)) {
-        cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
+    if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal ||
+                             s->noise >= 0 || s->certificate)) {
+        cli_error("--mode %s solves nothing: leave out --solver, --error, --goal, --noise and "
+                  "--certificate",
             mode_names[s->mode]);
         return false;
     }
@@ -373,14 +386,19 @@ static rsv_solve_desc describe_solve(
     return desc;
 }
 
-/// @param certificate filled where the statistics want it
+/// @param certificate filled where the error is a target
 static rsv_status solve(cli_session *session, const settings *s, const rsv_render_desc *picture,
     cli_subject *subject, rsv_certificate *certificate)
 {
     rsv_solve_desc desc = describe_solve(s, subject->scene, picture);
-    bool is_certified = !subject->solution && s->target.share > 0;
-    rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
-    if (status != RSV_OK || is_certified) return status;
+    return cli_solve_subject(session, &desc, &s->target, subject, certificate);
+}
+
+/// The certificate that the statistics want, unless there is one.
+static rsv_status certify(
+    const settings *s, const cli_subject *subject, rsv_certificate *certificate)
+{
+    if (!s->certificate || !subject->solution || certificate->samples) return RSV_OK;
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
@@ -427,7 +445,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = solution && !s->planned ? certificate : NULL;
+    stats->certificate = certificate->samples ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
@@ -662,7 +680,7 @@ static int run(cli_session *session, settings *s)
     int exit_status = CLI_FAILURE;
     cli_stats stats = { .standard_error = NAN };
     rsv_render_desc desc;
-    rsv_certificate certificate;
+    rsv_certificate certificate = { 0 };
     rsv_image *image = NULL;
     float exposure = 0;
     cli_subject subject;
@@ -676,6 +694,7 @@ static int run(cli_session *session, settings *s)
     else if (is_solved(s))
         status = solve(session, s, &desc, &subject, &certificate);
     if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
+    if (status == RSV_OK) status = certify(s, &subject, &certificate);
     if (status == RSV_OK) {
         exposure = choose_exposure(session, s, image);
         status = write_pictures(session, s, 0, image, exposure);

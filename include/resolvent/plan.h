@@ -33,7 +33,7 @@ static inline rsv_plan_desc rsv_default_plan_desc(void)
 
 /// The choices of a plan, and its result.
 typedef struct rsv_picture_plan {
-    rsv_render_mode mode; ///< RSV_RENDER_REFERENCE if there was no time for a solution
+    rsv_render_mode mode; ///< RSV_RENDER_REFERENCE if there was no time for a solution, or no light
     uint32_t element_target, rays_per_element, refinements; ///< of the last solution
     bool goal;        ///< the solution was refined for the camera's picture
     bool gathers;     ///< indirect light is gathered with one ray per camera ray, not looked up

@@ -48,19 +48,10 @@ static rsv_status check_scale(rsv_checker *c)
         (double)size);
 }
 
-static bool shines(const rsv_scene_view *view)
-{
-    for (size_t t = 0; t < view->triangle_count; t++)
-        if (!rgb_is_black(view->material[view->triangle_material[t]].emission)) return true;
-    for (size_t k = 0; k < view->light_count; k++)
-        if (!rgb_is_black(view->light[k].intensity)) return true;
-    return view->environment != NULL;
-}
-
 static rsv_status check_light(rsv_checker *c)
 {
     const rsv_finding found = { .mistake = RSV_MISTAKE_NO_LIGHT };
-    if (shines(c->view)) return RSV_OK;
+    if (rsv_scene_shines(c->view)) return RSV_OK;
     return rsv_check_tell(c, &found, "",
         "there is no light: no lamp, no emission, no environment; export lights, or use --env sky");
 }

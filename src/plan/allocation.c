@@ -27,6 +27,7 @@ typedef struct allocator {
     float *renewed; ///< [pixels] the same by the neighbours, for sparks; 0 = no spark
     float *worth;   ///< [pixels] numbers of samples are proportional to it
     double fall;
+    const uint8_t *is_outline; ///< as in the sum; NULL = none
 } allocator;
 
 /// Sum over the square around a pixel that reaches so far. @param count gets its pixels added
@@ -94,6 +95,7 @@ static void find_errors(allocator *a)
 static double extra_of(const allocator *a, size_t pixel, double scale)
 {
     double wanted = fmin(scale * (double)a->worth[pixel], MOST_OF_A_PIXEL);
+    if (a->is_outline && a->is_outline[pixel]) wanted = fmax(wanted, RSV_OUTLINE_SAMPLES);
     if (a->renewed[pixel] > 0) return fmax(floor(wanted + 0.5), LEAST_OF_A_SPARK);
     return fmax(floor(wanted - a->sum->pixel[pixel].taken + 0.5), 0);
 }
@@ -135,9 +137,10 @@ static double find_scale(const allocator *a, double error, double most, rsv_allo
     return found->mean > most ? low : high;
 }
 
-/// With too few rays even for sparks, these stay: the rays are for all pixels.
+/// With too few rays even for sparks and outlines, these stay: the rays are for all pixels.
 static void keep_sparks(allocator *a)
 {
+    a->is_outline = NULL;
     for (size_t k = 0; k < (size_t)a->width * a->height; k++)
         a->renewed[k] = 0;
 }
@@ -163,7 +166,8 @@ rsv_status rsv_allocate_samples(rsv_context *context, rsv_sample_sum *sum, doubl
     allocator a = { .sum = sum,
         .width = rsv_image_width(sum->mean),
         .height = rsv_image_height(sum->mean),
-        .fall = fall };
+        .fall = fall,
+        .is_outline = sum->is_outline };
     size_t pixels = (size_t)a.width * a.height;
     *allocation = (rsv_allocation){ .fall = fall };
     rsv_status status = rsv_sample_sum_part(context, sum, fall);

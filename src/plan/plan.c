@@ -147,6 +147,15 @@ rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
     return status == RSV_OK ? rsv_sample_sum_add(p->context, &p->sum, samples, pass) : status;
 }
 
+rsv_status rsv_planner_find_outlines(rsv_planner *p)
+{
+    size_t pixels = (size_t)p->picture.width * p->picture.height;
+    if (!p->sum.is_outline)
+        p->sum.is_outline = rsv_alloc(p->context, pixels, sizeof *p->sum.is_outline);
+    if (!p->sum.is_outline) return RSV_ERROR_MEMORY;
+    return rsv_picture_series_find_outlines(p->series, p->sum.mean, p->sum.is_outline);
+}
+
 /// One pass of an allocated pair.
 static rsv_status take_half(
     rsv_planner *p, const rsv_allocation *allocation, int half, uint32_t *count, rsv_image **image)
@@ -472,7 +481,7 @@ static void say_what_is_missing(const rsv_planner *p)
 /// Samples where the picture is noisy, until the noise found, not just that predicted, is as low as allowed.
 static rsv_status take_passes(rsv_planner *p)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status = rsv_planner_find_outlines(p);
     double left = MOST_SAMPLES;
     for (int pass = 0; pass < MOST_PASSES && status == RSV_OK && left > 0; pass++) {
         rsv_allocation allocation = { 0 };
@@ -489,6 +498,23 @@ static rsv_status take_passes(rsv_planner *p)
         rsv_allocation_clear(p->context, &allocation);
     }
     return status;
+}
+
+/// Whether a picture is black whatever is solved.
+static bool is_dark(const rsv_scene_view *view)
+{
+    for (size_t m = 0; m < view->material_count; m++)
+        if (view->material[m].unlit) return false;
+    return !rsv_scene_shines(view);
+}
+
+/// Without light, one path per pixel finds all there is.
+static rsv_status take_dark(rsv_planner *p)
+{
+    p->plan.mode = p->picture.mode = RSV_RENDER_REFERENCE;
+    p->plan.noise = p->plan.elements_error = 0;
+    p->plan.is_reached = true;
+    return rsv_planner_take(p, 1);
 }
 
 static rsv_status run_to_error(rsv_planner *p)
@@ -553,8 +579,11 @@ rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     rsv_planner p;
     status = begin(scene, &settings, &seen, *light, &p);
     if (status != RSV_OK) return status;
-    status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
-                                            : run_to_error(&p);
+    if (!p.light && is_dark(rsv_scene_get_view(scene)))
+        status = take_dark(&p);
+    else
+        status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
+                                                : run_to_error(&p);
     rsv_picture_series_destroy(p.series);
     if (status == RSV_OK) {
         p.plan.samples = p.sum.samples;

@@ -32,6 +32,9 @@ rsv_status rsv_planner_solve(rsv_planner *planner);
 /// Takes one more pass over the picture and adds it.
 rsv_status rsv_planner_take(rsv_planner *planner, uint32_t samples);
 
+/// Finds the outlines that get more camera rays, in the picture that there is.
+rsv_status rsv_planner_find_outlines(rsv_planner *planner);
+
 /// Takes a pass with a number of camera rays for each pixel and adds it, with the noise that is left.
 rsv_status rsv_planner_take_allocated(rsv_planner *planner, const rsv_allocation *allocation);
 

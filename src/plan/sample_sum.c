@@ -158,6 +158,7 @@ uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t 
 void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
 {
     rsv_free(context, sum->pixel);
+    rsv_free(context, sum->is_outline);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);
     rsv_image_destroy(sum->half[1]);

@@ -17,9 +17,14 @@ typedef struct rsv_sample_sum {
     rsv_image *mean; ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2];
     rsv_summed_pixel *pixel; ///< [height * width]; NULL = equally many samples in all
-    uint32_t samples;        ///< of all passes, on average
-    uint32_t half_samples;   ///< of each half
+    uint8_t
+        *is_outline; ///< [height * width] pixels that get at least RSV_OUTLINE_SAMPLES; NULL = none
+    uint32_t samples;      ///< of all passes, on average
+    uint32_t half_samples; ///< of each half
 } rsv_sample_sum;
+
+/// Camera rays of pixels on outlines at least: with 4, the lower edge of a lamp is dotted.
+#define RSV_OUTLINE_SAMPLES 16
 
 /// Adds a pass, which it then owns. Its first layer is used for the noise.
 rsv_status rsv_sample_sum_add(

@@ -127,7 +127,10 @@ static rsv_status take_passes(rsv_planner *p, double seconds)
 {
     double of_one;
     rsv_status status = take_first(p, seconds, &of_one);
-    if (!is_path_traced(p)) of_one *= UNEVEN_COST;
+    if (!is_path_traced(p)) {
+        of_one *= UNEVEN_COST;
+        if (status == RSV_OK) status = rsv_planner_find_outlines(p);
+    }
     while (status == RSV_OK && p->sum.samples > 1 && !(p->plan.noise <= p->wanted)) {
         double before = now_of(p), samples = next_pass(p, seconds - before, of_one), taken;
         if (samples <= 0) break;

@@ -3,6 +3,7 @@
 #include "../core/parallel.h"
 #include "../core/team.h"
 #include "../trace/backs.h"
+#include "outlines.h"
 #include "picture_row.h"
 #include "picture_series.h"
 #include "shot_light.h"
@@ -221,6 +222,12 @@ rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
     job.count = count;
     job.gathers_sources = !job.setting.cross_fog;
     return take(series, desc, job, image);
+}
+
+rsv_status rsv_picture_series_find_outlines(
+    const rsv_picture_series *series, const rsv_image *picture, uint8_t *is_outline)
+{
+    return rsv_find_outlines(&series->job, picture, is_outline);
 }
 
 bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series)

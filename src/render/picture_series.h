@@ -26,6 +26,11 @@ rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_r
 rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
     const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
 
+/// Marks pixels that outlines cross (outlines.h).
+/// @param picture of the series; it may be noisy @param is_outline [height * width] out
+rsv_status rsv_picture_series_find_outlines(
+    const rsv_picture_series *series, const rsv_image *picture, uint8_t *is_outline);
+
 /// Whether such pictures have caustics from elements too.
 bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series);
 

@@ -617,3 +617,12 @@ size_t rsv_scene_object_triangles(const rsv_scene *scene, uint32_t object, uint3
     *first = (uint32_t)begin;
     return end - begin;
 }
+
+bool rsv_scene_shines(const rsv_scene_view *view)
+{
+    for (size_t t = 0; t < view->triangle_count; t++)
+        if (!rgb_is_black(view->material[view->triangle_material[t]].emission)) return true;
+    for (size_t k = 0; k < view->light_count; k++)
+        if (!rgb_is_black(view->light[k].intensity)) return true;
+    return view->environment != NULL || (view->fog && !rgb_is_black(view->fog->emission));
+}

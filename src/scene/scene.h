@@ -148,6 +148,9 @@ static inline bool rsv_within_reach(rsv_vec3 p)
 rsv_status rsv_mesh_create_tangents(
     rsv_context *context, const rsv_material *material, rsv_mesh *mesh);
 
+/// Whether a committed scene has any light: emission, also of fog, lamps or an environment.
+bool rsv_scene_shines(const rsv_scene_view *view);
+
 /// Fills the world-space arrays from meshes and instances.
 rsv_status rsv_scene_flatten(rsv_scene *scene);
 

@@ -4,9 +4,11 @@ source "$(dirname "$0")/support.sh"
 
 draft=(--size 48x32 --quality draft --max-elements 500 --spp 2)
 for mode in final operator reference; do
+    certificate=--certificate
+    [[ $mode == final ]] || certificate=
     for threads in 1 2; do
         succeeds render cornell-spheres -o "$mode$threads.exr" -o "$mode$threads.png" "${draft[@]}" \
-            --mode $mode --threads $threads --layers --stats "$mode$threads.json"
+            --mode $mode --threads $threads --layers --stats "$mode$threads.json" $certificate
         [[ ! -s stdout ]] || complain "render printed on standard output"
     done
     for format in exr png; do
@@ -21,6 +23,7 @@ keys=(elements entries rays rays_per_second time_s load bvh assemble solve rende
 for key in "${keys[@]}"; do
     grep -q "\"$key\":" final2.json || complain "the statistics lack '$key'"
 done
+grep -q '"certificate":[[:space:]]*null' operator2.json || complain "a certificate that nobody asked for"
 grep -q '"stop_reason":.*"converged"' final2.json || complain "the solution did not converge"
 ! grep -q '"elements":[[:space:]]*0,' final2.json || complain "no elements"
 

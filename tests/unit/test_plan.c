@@ -378,6 +378,55 @@ static void samples_go_where_noise_is(void **state)
     world_end(w);
 }
 
+/// Outlines of a picture of a room, after one camera ray per pixel. @param out [side^2]
+static void find_outlines(const world *w, uint32_t side, uint8_t *is_outline, rsv_image **image)
+{
+    rsv_light *light;
+    rsv_picture_series *series;
+    rsv_render_desc desc = picture_desc(side);
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    solve.element_target = 500;
+    assert_int_equal(rsv_light_create(w->scene, &solve, &light), RSV_OK);
+    assert_int_equal(rsv_picture_series_create(light, &desc, &series), RSV_OK);
+    assert_int_equal(rsv_picture_series_take(series, &desc, NULL, image), RSV_OK);
+    assert_int_equal(rsv_picture_series_find_outlines(series, *image, is_outline), RSV_OK);
+    rsv_picture_series_destroy(series);
+    rsv_light_destroy(light);
+}
+
+/// The border of the lamp is found on all sides, nothing is found within walls, and such pixels get their samples.
+static void outlines_get_enough_samples(void **state)
+{
+    (void)state;
+    enum { side = noisy_side };
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_sample_sum sum = { 0 };
+    rsv_allocation found;
+    uint32_t number = 0, bright = 0;
+    sum.is_outline = rsv_alloc(w->context, side * side, 1);
+    for (uint32_t k = 0; k < 2; k++) {
+        rsv_image *pass;
+        find_outlines(w, side, sum.is_outline, &pass);
+        assert_int_equal(rsv_sample_sum_add(w->context, &sum, 1, pass), RSV_OK);
+    }
+    for (uint32_t k = side; k < side * side - side; k++) {
+        const rsv_rgb *pixel = &rsv_image_const_pixels(sum.mean, 0)[k];
+        bool lit = pixel->g > 4, below = pixel[side].g > 4;
+        if (lit != below) assert_true(sum.is_outline[k] || sum.is_outline[k + side]);
+        bright += lit;
+        number += sum.is_outline[k];
+    }
+    print_message("%u of %u pixels are on outlines\n", number, side * side);
+    assert_true(bright > 10);
+    assert_in_range(number, 4 * side, 12 * side); // the box and its edges, the blocks and the lamp
+    assert_int_equal(rsv_allocate_samples(w->context, &sum, 1, 1, 64, &found), RSV_OK);
+    for (uint32_t k = 0; k < side * side; k++)
+        assert_true(found.extra[k] + 2 >= (sum.is_outline[k] ? RSV_OUTLINE_SAMPLES : 0));
+    rsv_allocation_clear(w->context, &found);
+    rsv_sample_sum_clear(w->context, &sum);
+    world_end(w);
+}
+
 /// One column in 16 shows half of its light only in one sample of 40, the rest has little noise.
 static rsv_image *rare_pass(const world *w, uint32_t seed, const uint32_t *count)
 {
@@ -438,6 +487,31 @@ static void rare_light_errs_as_much_as_was_asked_for(void **state)
     assert_true(sum < 1.21 * wanted); // 1.1 times in the root
     assert_true(sum > 0.25 * wanted);
     world_end(w);
+}
+
+/// Scenes without light are not solved, but what shines without lighting anything is seen.
+static void nothing_is_solved_without_light(void **state)
+{
+    (void)state;
+    static const bool unlit[] = { false, true };
+    for (int k = 0; k < 2; k++) {
+        world *w = world_begin(1);
+        rsv_material material = lambert_material(0.5f, 0);
+        material.unlit = unlit[k];
+        world_room(w, world_material(w, material), v3(0, 0, 0), v3(1, 1, 1));
+        world_commit(w);
+        const rsv_camera camera = rsv_camera_frame_sphere("inside", v3(0.5f, 0.5f, 0.5f), 0.1f);
+        rsv_render_desc picture = picture_desc(8);
+        rsv_plan_desc desc = rsv_default_plan_desc();
+        picture.viewpoint = &camera;
+        planned p = make(w, &desc, &picture);
+        double mean = mean_of(p.image, 8 * 8);
+        assert_true(unlit[k] ? mean > 0.1 : mean == 0);
+        assert_true((p.light != NULL) == unlit[k]);
+        assert_true(p.plan.is_reached);
+        destroy(&p);
+        world_end(w);
+    }
 }
 
 /// The error of light that fog scatters is known too, from gather rays that begin in the air.
@@ -516,6 +590,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(gather_rays_bring_the_light_of_the_sky),
         cmocka_unit_test(samples_follow_the_noise),
         cmocka_unit_test(samples_go_where_noise_is),
+        cmocka_unit_test(outlines_get_enough_samples),
+        cmocka_unit_test(nothing_is_solved_without_light),
         cmocka_unit_test(rare_light_errs_as_much_as_was_asked_for),
     };
     const struct CMUnitTest longest[] = {
