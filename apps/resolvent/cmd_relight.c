@@ -365,7 +365,7 @@ static rsv_render_desc describe_picture(const settings *s, const stage *on)
     desc.viewpoint = on->viewpoint;
     desc.width = size.width;
     desc.height = size.height;
-    desc.samples = cli_samples_of_moment(&s->sequence, s->samples);
+    desc.samples = s->samples;
     desc.seed = s->seed + on->moment;
     return desc;
 }

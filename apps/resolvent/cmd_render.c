@@ -618,7 +618,6 @@ static bool run_moment(reel *r, uint32_t frame, uint32_t moment, rsv_image **ima
     rsv_status status = good && is_solved(s) ? find_light(r, &subject, &desc) : RSV_OK;
     if (good && r->light) // its cameras are those of the first frame
         desc.viewpoint = &rsv_scene_get_view(subject.scene)->camera[desc.camera];
-    if (good) desc.samples = cli_samples_of_moment(&s->sequence, desc.samples);
     if (good) desc.seed += moment;
     if (good && status == RSV_OK) status = render(s, &desc, &subject, image, &stats);
     if (status != RSV_OK) cli_report_failure(r->session, status);

@@ -38,7 +38,7 @@ typedef struct cli_sequence {
 
 #define CLI_SHUTTER_HELP                                                                                  \
     "  --shutter S        motion blur: the shutter is open for the part S (0 to 1) of each frame, from\n" \
-    "                     its start; the mean of pictures at 8 moments, which share --spp (default 0)\n"
+    "                     its start; the mean of 8 pictures, each of --spp rays per pixel (default 0)\n"
 
 #define CLI_SEQUENCE_HELP                                                                              \
     "  --frames A-B       render these frames of the animation; frame 0 is at 0 s. -o walk-%04d.png\n" \

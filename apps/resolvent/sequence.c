@@ -62,12 +62,6 @@ void cli_add_moment(const cli_sequence *s, rsv_image *image, rsv_image **mean)
     rsv_image_destroy(image);
 }
 
-uint32_t cli_samples_of_moment(const cli_sequence *s, uint32_t samples)
-{
-    uint32_t moments = cli_moments_of_frame(s);
-    return (samples + moments - 1) / moments;
-}
-
 bool cli_run_frames(cli_session *session, const cli_sequence *s,
     bool (*run)(void *user, uint32_t frame), void *user)
 {

@@ -22,9 +22,6 @@ rsv_status cli_follow_frame(
 /// Adds the picture of one of a frame's moments to their mean. @param image taken over @param mean NULL at first
 void cli_add_moment(const cli_sequence *sequence, rsv_image *image, rsv_image **mean);
 
-/// Camera rays per pixel at each moment of a frame. @param samples of the frame
-uint32_t cli_samples_of_moment(const cli_sequence *sequence, uint32_t samples);
-
 /// Runs the frames in their order, and shows progress. @return false as soon as one fails
 bool cli_run_frames(cli_session *session, const cli_sequence *sequence,
     bool (*run)(void *user, uint32_t frame), void *user);

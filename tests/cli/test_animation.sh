@@ -34,7 +34,7 @@ TEXT
 
 # motion blur: the mean of pictures at eight moments
 still=(--size 32x32 --mode reference --clip slide)
-succeeds render moving.glb -o blur-%d.hdr "${still[@]}" --spp 16 --frames 0-0 --fps 1 --shutter 0.5
+succeeds render moving.glb -o blur-%d.hdr "${still[@]}" --spp 2 --frames 0-0 --fps 1 --shutter 0.5
 k=0
 for time in 0.03125 0.09375 0.15625 0.21875 0.28125 0.34375 0.40625 0.46875; do
     succeeds render moving.glb -o moment-$k.hdr "${still[@]}" --spp 2 --seed $k --time $time
