@@ -298,16 +298,21 @@ cleanup:
 }
 
 /// If little is absorbed, irradiance grows so far beyond its source that the target residual is below rounding. Raises
-/// the target accordingly. Orders beyond the present term are assumed to fall by the spectral radius.
-static void keep_target_in_reach(series *q, const rsv_rgb *term)
+/// the target accordingly. @param rest what irradiance can still grow by, W/m2
+static void keep_target_in_reach(series *q, double rest)
 {
     const rsv_light *s = q->s;
-    size_t nodes = s->elements->node_count;
-    double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS), most = 0;
-    for (size_t n = 0; n < nodes; n++)
+    double most = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++)
         most = fmax(most, (double)rgb_max(rgb_add(s->field.source[n], s->field.indirect[n])));
-    most += radius / (1 - radius) * largest(term, nodes);
-    q->target = fmax(q->target, ROUNDING * most);
+    q->target = fmax(q->target, ROUNDING * (most + rest));
+}
+
+/// The sum of the orders beyond a term, if they fall by the spectral radius.
+static double size_of_rest(const rsv_light *s, const rsv_rgb *term)
+{
+    double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS);
+    return radius / (1 - radius) * largest(term, s->elements->node_count);
 }
 
 /// Chooses the solver of all orders beyond those kept one by one.
@@ -377,7 +382,7 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
             break;
         }
         if (order == RSV_KEPT_ORDERS - 2) {
-            keep_target_in_reach(q, q->term);
+            keep_target_in_reach(q, size_of_rest(s, q->term));
             choose_solver(q, size);
         }
         if (order == RSV_KEPT_ORDERS - 2 && report->solver != RSV_SOLVER_NEUMANN &&
@@ -555,6 +560,7 @@ rsv_status rsv_solve_on(rsv_light *s, uint32_t max_orders)
     q.resolvent = resolvent_of(&s->report);
     q.target =
         s->desc.tolerance * rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
+    keep_target_in_reach(&q, 0);
     RSV_TRY(solve_from(&q, s->field.irradiance, max_orders));
     report_error(&q, q.next);
     rsv_sharpen(s->elements, s->field.indirect, q.term, q.next);
