@@ -445,7 +445,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = certificate->samples ? certificate : NULL;
+    stats->certificate = certificate && certificate->samples ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
