@@ -72,6 +72,8 @@ static const char help[] =
         CLI_READING_HELP CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium or high. Default: draft for moving and fps, high for quality (the\n"
     "                     best compared) and gpu, draft and medium for assemble, medium for the others\n"
+    "  --max-elements N   fig8, move, and those with --quality: solve with at most N elements, for a quick\n"
+    "                     look\n"
     "  --max-time S       pictures: seconds per scene, with fewer pictures and coarser references if that\n"
     "                     is too little (default 300)\n"
     "  --paths N          certificate: paths at each of 2000 points, twice (default 2048); bake: paths at\n"
@@ -305,6 +307,13 @@ double cli_median(double *values, size_t count)
     return (values[(count - 1) / 2] + values[count / 2]) / 2;
 }
 
+rsv_solve_desc cli_bench_solve_desc(const cli_bench_task *bench, int quality)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)quality);
+    desc.max_elements = bench->max_elements;
+    return desc;
+}
+
 /// One scene through one benchmark; NULL after a message.
 static cJSON *measure(const benchmark *b, const settings *s, const char *scene)
 {
@@ -392,6 +401,10 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench",
             "--quality belongs to bench assemble, solvers, bake, levels, quality, media, rebake, moving, gpu, "
             "fps, rooms and pictures");
+    if (s->bench.max_elements && !b->has_quality && b->run != cli_bench_fig8 &&
+        b->run != cli_bench_move)
+        return cli_usage_error("bench",
+            "--max-elements belongs to bench fig8, move and those that take --quality");
     if (s->bench.gloss >= 0 && !flies)
         return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
     bool has_frames = (flies && b->run != cli_bench_pictures) || b->run == cli_bench_moving ||
@@ -492,6 +505,11 @@ int cli_bench(int argc, char **argv)
             .value = &bench->quality,
             .choices = cli_quality_names },
         { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
+        { .name = "--max-elements",
+            .kind = CLI_COUNT,
+            .value = &bench->max_elements,
+            .min = 1,
+            .max = UINT32_MAX },
         { .name = "--max-time",
             .kind = CLI_REAL,
             .value = &bench->max_seconds,

@@ -60,7 +60,7 @@ static void add_timing(cJSON *result, const assembly_timing *timing, uint32_t re
 static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, rsv_quality quality,
     assembly_timing *timing, cJSON *result)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc(quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, quality);
     desc.direct_level = false;
     rsv_light *solution = NULL;
     rsv_status status = rsv_light_create(scene, &desc, &solution);

@@ -78,7 +78,7 @@ static rsv_status measure_target(measurement *m, bool *made)
 
 static rsv_status measure(measurement *m, cJSON *result, bool *made)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)m->bench->quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(m->bench, m->bench->quality);
     cli_cost started = cli_cost_now();
     rsv_status status = rsv_light_create(m->scene, &desc, &m->light);
     m->solve = cli_cost_since(started);

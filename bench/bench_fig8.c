@@ -130,7 +130,7 @@ static rsv_status open_contest(const cli_bench_task *bench, unsigned kilobytes, 
 {
     rsv_context *context = bench->session->context;
     rsv_builtin_desc body = rsv_default_builtin_desc();
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, RSV_QUALITY_DRAFT);
     rsv_frame_desc frame = rsv_default_frame_desc();
     choose_size(c, bench->size);
     frame.width = c->width;

@@ -114,7 +114,7 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
     }
     rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, bench->quality);
     rsv_light *solution = NULL;
     desc.direct_level = false;
     cli_describe_device(result);

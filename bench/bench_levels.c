@@ -187,9 +187,12 @@ static double rays_at_aim(const cJSON *cases, curve of)
     return NAN;
 }
 
-static rsv_status measure_all(const rsv_scene *scene, rsv_quality name, judge *j, cJSON *result)
+static rsv_status measure_all(
+    const cli_bench_task *bench, const rsv_scene *scene, judge *j, cJSON *result)
 {
-    rsv_solve_desc quality = rsv_default_solve_desc(name);
+    rsv_solve_desc quality = rsv_default_solve_desc((rsv_quality)bench->quality);
+    if (bench->max_elements && bench->max_elements < quality.element_target)
+        quality.element_target = bench->max_elements;
     rsv_solve_report report = { 0 };
     cJSON *cases = cJSON_AddArrayToObject(result, "cases");
     rsv_status status = take_picture(scene, &quality, 1, j->mean, &report);
@@ -213,8 +216,7 @@ bool cli_bench_levels(const cli_bench_task *bench, cJSON *result)
     rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
     judge *j = calloc(1, sizeof *j);
-    rsv_status status =
-        j ? measure_all(scene, (rsv_quality)bench->quality, j, result) : RSV_ERROR_MEMORY;
+    rsv_status status = j ? measure_all(bench, scene, j, result) : RSV_ERROR_MEMORY;
     free(j);
     rsv_scene_destroy(scene);
     if (status != RSV_OK) cli_report_failure(bench->session, status);

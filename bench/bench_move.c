@@ -147,7 +147,7 @@ static rsv_status measure_relighter(
 
 static rsv_status measure(const cli_bench_task *bench, rsv_scene *scene, cJSON *result)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, RSV_QUALITY_DRAFT);
     rsv_light *solution = NULL;
     rsv_relighter *relighter = NULL;
     rsv_status status = rsv_light_create(scene, &desc, &solution);

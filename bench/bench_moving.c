@@ -108,7 +108,7 @@ static rsv_status read_light(const rsv_light *light, const rsv_probe *probe, dou
 
 static rsv_solve_desc describe(const stage *s)
 {
-    return rsv_default_solve_desc((rsv_quality)s->bench->quality);
+    return cli_bench_solve_desc(s->bench, s->bench->quality);
 }
 
 /// Lights of one frame.

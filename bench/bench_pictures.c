@@ -200,7 +200,7 @@ static rsv_status relight(measurement *m, rsv_light *light, int quality)
 
 static rsv_status measure_quality(measurement *m, int quality)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(m->bench, quality);
     rsv_light *light = NULL;
     desc.direct_level = false;
     if (quality > 0 && !has_time(m, NEXT_QUALITY * m->solve[quality - 1].seconds)) return RSV_OK;

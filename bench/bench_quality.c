@@ -46,16 +46,16 @@ typedef struct outcome {
     double median_error, relative_mse; ///< without the reference's share
 } outcome;
 
-static rsv_status solve_and_render(
-    const rsv_scene *scene, const recipe *r, uint32_t size, uint32_t seed, rsv_image **image)
+static rsv_status solve_and_render(const cli_bench_task *bench, const rsv_scene *scene,
+    const recipe *r, uint32_t seed, rsv_image **image)
 {
     rsv_render_desc picture = rsv_default_render_desc();
     picture.mode = r->mode;
-    picture.width = picture.height = size;
+    picture.width = picture.height = bench->size;
     picture.samples = r->samples;
     picture.seed = seed;
     if (r->mode == RSV_RENDER_REFERENCE) return rsv_render_reference(scene, &picture, image, NULL);
-    rsv_solve_desc desc = rsv_default_solve_desc(r->quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, r->quality);
     desc.direct_level = r->mode == RSV_RENDER_OPERATOR;
     rsv_light *solution = NULL;
     rsv_status status = rsv_light_create(scene, &desc, &solution);
@@ -73,7 +73,7 @@ static bool take_picture(
 {
     rsv_scene *scene = cli_open_scene(bench->session, bench->scene, &bench->environment);
     if (!scene) return false;
-    rsv_status status = solve_and_render(scene, r, bench->size, seed, image);
+    rsv_status status = solve_and_render(bench, scene, r, seed, image);
     rsv_scene_destroy(scene);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) cli_report_failure(bench->session, status);

@@ -32,7 +32,7 @@ static cost now(void)
 /// @param rows folders for rows and for those of the scene before; NULL = none
 static rsv_solve_desc describe(const cli_bench_task *bench, uint32_t seed)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, bench->quality);
     desc.seed = seed;
     return desc;
 }

@@ -29,6 +29,7 @@ typedef struct cli_bench_task {
     uint32_t
         reference_samples; ///< quality, rooms, pictures: camera rays per pixel of the reference
     int quality;       ///< of those that solve with one: an rsv_quality, or BENCH_DRAFT_AND_MEDIUM
+    uint32_t max_elements; ///< of those that solve with a quality; 0 = any number
     float max_seconds; ///< pictures: by the clock, for each scene
     uint32_t paths;    ///< certificate: of each reading of the truth, 0 = default
     cli_list references; ///< quality: pictures whose mean is the reference; none = render it
@@ -37,6 +38,9 @@ typedef struct cli_bench_task {
 /// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, those of moving_scenes.h are
 /// rooms in which something moves, others are those of cli_open_scene. NULL after a message.
 rsv_scene *cli_open_bench_scene(const cli_bench_task *bench);
+
+/// How the task solves at this quality, with no more elements than it allows.
+rsv_solve_desc cli_bench_solve_desc(const cli_bench_task *bench, int quality);
 
 /// Opens the task's scene; the body of a built-in one has about this many triangles. NULL after an error message.
 rsv_scene *cli_open_bench_body(const cli_bench_task *bench, size_t triangles);

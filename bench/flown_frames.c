@@ -40,7 +40,7 @@ bool cli_open_solved(const cli_bench_task *bench, cli_subject *subject, cJSON *r
     double opened = cli_seconds();
     if (!open_subject(bench, subject)) return false;
     double started = cli_seconds();
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
+    rsv_solve_desc desc = cli_bench_solve_desc(bench, bench->quality);
     rsv_status status = RSV_OK;
     if (!subject->solution) status = rsv_light_create(subject->scene, &desc, &subject->solution);
     if (status != RSV_OK) {

@@ -274,8 +274,7 @@ static void sample_whole(rsv_glossy_rays *r, const rsv_glossy_task *task,
     put_sample(task->cells, cell, rgb_positive(light), albedo, 0);
 }
 
-/// Variance of the normals of a cell's pixels, which normal maps may bend: sum over both directions, radian^2.
-/// @param pixel one of them
+/// Variance of the normals of a cell's pixels. @param pixel one of them
 static float pixels_variance(const rsv_glossy_tile *tile, uint32_t pixel)
 {
     uint32_t first = pixel & ~(1u | RSV_TILE);
@@ -287,7 +286,7 @@ static float pixels_variance(const rsv_glossy_tile *tile, uint32_t pixel)
         sum = v3_add(sum, v3(tile->normal[0][at], tile->normal[1][at], tile->normal[2][at]));
         count++;
     }
-    return f_max(count * count - v3_dot(sum, sum), 0) / f_max(count * (count - 1), 1);
+    return rsv_normals_variance(sum.x, sum.y, sum.z, count);
 }
 
 /// The shares of highlights that cells show.

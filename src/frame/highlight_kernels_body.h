@@ -21,8 +21,7 @@ static inline void find_variances(
             z += shown ? tile->normal[2][at] : 0;
             count += shown ? 1 : 0;
         }
-        float squares = f_max(count * count - (x * x + y * y + z * z), 0);
-        variance[k] = RSV_PIXEL_VARIANCE * squares / f_max(count * (count - 1), 1);
+        variance[k] = RSV_PIXEL_VARIANCE * rsv_normals_variance(x, y, z, count);
     }
 }
 

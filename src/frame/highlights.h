@@ -72,6 +72,13 @@ RSV_INLINE float rsv_highlight_left(
 /// small balls in the sun, and the last errs more where normal maps bend metal (relative MSE 0.18, 0.20, 0.28).
 #define RSV_PIXEL_VARIANCE 0.5f
 
+/// Variance of normals, which normal maps may bend: sum over both directions, radian^2.
+/// @param x, y, z their sum @param count of them
+RSV_INLINE float rsv_normals_variance(float x, float y, float z, float count)
+{
+    return f_max(count * count - (x * x + y * y + z * z), 0) / f_max(count * (count - 1), 1);
+}
+
 /// Sixteen pixels in a row.
 typedef struct rsv_highlight_lanes {
     float share[RSV_SUMMED_LIGHTS][16]; ///< rsv_highlight_share of each light

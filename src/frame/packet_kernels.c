@@ -11,8 +11,8 @@ const char *rsv_instructions_name(rsv_instructions instructions)
 
 bool rsv_has_instructions(rsv_instructions instructions)
 {
-    if (instructions == RSV_INSTRUCTIONS_AVX2) return rsv_cpu_has_avx2();
-    if (instructions == RSV_INSTRUCTIONS_AVX512) return rsv_cpu_has_avx512();
+    if (instructions == RSV_INSTRUCTIONS_AVX2) return rsv_kernels_for_avx2();
+    if (instructions == RSV_INSTRUCTIONS_AVX512) return rsv_kernels_for_avx512();
     return instructions <= RSV_INSTRUCTIONS_PORTABLE;
 }
 
@@ -23,7 +23,7 @@ const rsv_packet_kernels *rsv_packet_kernels_for(rsv_instructions *instructions)
         while (!rsv_has_instructions(*instructions))
             --*instructions;
     }
-#if defined(__x86_64__)
+#if defined(RSV_HAS_X86_KERNELS)
     if (*instructions == RSV_INSTRUCTIONS_AVX512) return &rsv_packet_kernels_avx512;
     if (*instructions == RSV_INSTRUCTIONS_AVX2) return &rsv_packet_kernels_avx2;
 #endif

@@ -43,8 +43,8 @@
 #define DEMANDING 0.002
 #define EASED 4.0
 #define REFINEMENTS 3
-/// Fraction of the target error for elements. The noise of samples may always use this fraction, because samples are
-/// cheaper than elements.
+/// Fraction of the target error that elements may cause in any case. The noise of samples may always use this fraction,
+/// because samples are cheaper than elements.
 #define ELEMENTS_SHARE 0.75
 #define LEAST_NOISE_SHARE 0.2
 /// Fraction of the target error that elements usually cause, and its standard deviation: 0.1 in cornell-blocks, 0.3 in
@@ -55,6 +55,11 @@
 /// room and the Japanese classroom: 0.6 to 1.7 us for a ray of rows, 13 and 9 us for a camera ray.
 #define GATHERED_COST 20.0
 #define SAMPLE_COST 14.0
+/// Cost of a row beside its rays, in rays: elements, pilots, solver. Measured in the modern hall and the white room at
+/// draft: 0.9 and 1.3 ms.
+#define ROW_COST 1000.0
+/// An error beyond the target makes a remedy so much dearer: it is accepted where others cost several times as much.
+#define EXCESS_POWER 4
 /// Fraction of the error of elements that gather rays leave, because only the first order of indirect light is
 /// gathered. In cornell-blocks with 40 elements, 0.0015 is left; in two-rooms at draft, 0.0013 of 0.009.
 #define GATHERED_LEFT 0.2
@@ -73,7 +78,7 @@
 #define RAYS_EXCESS 3.0
 #define LEAST_PROGRESS 0.8
 #define STUCK_RAYS 4
-#define MOST_ROUNDS 3
+#define MOST_ROUNDS 4
 /// Targets above this begin with one camera ray in each half, others with two.
 #define GENEROUS (2 * USUAL_ERROR)
 /// The error of elements is estimated at SPOTS pixels with FIRST_RAYS gather rays each. If that leaves more than
@@ -88,7 +93,7 @@
 /// Passes where the picture is noisy, and how far noise may exceed what is allowed after the first.
 #define MOST_PASSES 8
 #define RETAKE 1.1
-/// Estimates that exceed the target by less than this count as reaching it.
+/// Estimates of the relative error that exceed the target by less than this count as reaching it.
 #define TOLERANCE 1.15
 
 void rsv_plan_desc_init(rsv_plan_desc *desc, size_t size)
@@ -393,25 +398,55 @@ static rsv_status judge_elements(rsv_planner *p)
     return RSV_OK;
 }
 
-/// Whether the elements err too much, probably or by more than chance.
-static bool elements_limit(const rsv_planner *p)
+/// Relative MSE by elements: what is known, or more if they err by more than chance.
+static double likely_elements_error(const rsv_planner *p)
 {
-    double least = p->plan.elements_error - p->uncertainty;
-    return fmax(known_elements_error(p), least) > ELEMENTS_SHARE * p->wanted;
+    return fmax(known_elements_error(p), p->plan.elements_error - p->uncertainty);
 }
 
-/// Whether gather rays reach the target error sooner than a finer solution, or are the only way.
-static bool is_gathering_better(const rsv_planner *p, bool is_last)
+/// What can be done about elements that err much.
+typedef enum remedy {
+    ACCEPT, ///< leave less of the error to noise
+    GATHER,
+    REFINE
+} remedy;
+
+/// Cost, in rays of rows, of the camera rays that bring noise down so far. INFINITY = it takes too many.
+static double cost_of_samples(const rsv_planner *p, double noise, double allowed, bool gathered)
 {
     double pixels = (double)p->picture.width * p->picture.height;
-    uint32_t gathered = rsv_samples_for(
-        p->gathered_noise / p->wanted, p->sum.samples, RSV_GATHERED_FALL, MOST_SAMPLES);
-    if (is_last) return gathered < MOST_SAMPLES;
-    uint32_t looked_up = rsv_samples_for(
-        p->plan.noise / p->wanted, p->sum.samples, RSV_STRATIFIED_FALL, MOST_SAMPLES);
+    double fall = gathered ? RSV_GATHERED_FALL : RSV_STRATIFIED_FALL;
+    uint32_t samples = rsv_samples_for(noise / allowed, p->sum.samples, fall, MOST_SAMPLES);
+    if (samples == MOST_SAMPLES) return INFINITY;
+    return samples * (gathered ? GATHERED_COST : SAMPLE_COST) * pixels;
+}
+
+/// The same where elements leave little of the target to noise. INFINITY = the error would be too large.
+static double cost_of_accepting(const rsv_planner *p, double elements)
+{
+    double allowed = fmax(p->wanted - elements, LEAST_NOISE_SHARE * p->wanted);
+    double excess = fmax((elements + allowed) / p->wanted, 1);
+    if (excess > TOLERANCE) return INFINITY;
+    return pow(excess, EXCESS_POWER) * cost_of_samples(p, p->plan.noise, allowed, false);
+}
+
+/// Cost of a finer solution in rays of rows.
+static double cost_of_rows(const rsv_planner *p)
+{
+    const rsv_solve_report *report = rsv_light_report(p->light);
     refinement next = next_refinement(p);
-    double rows = next.elements * next.rays * (double)rsv_light_report(p->light)->row_rays;
-    return gathered * GATHERED_COST * pixels < rows + (double)looked_up * SAMPLE_COST * pixels;
+    return next.elements * next.rays * (double)report->row_rays + (double)report->rows * ROW_COST;
+}
+
+/// The remedy that costs least. @param is_last whether no finer solution may follow
+static remedy choose_remedy(const rsv_planner *p, bool is_last)
+{
+    double accepted = cost_of_accepting(p, likely_elements_error(p));
+    double gathered = cost_of_samples(p, p->gathered_noise, p->wanted, true);
+    double refined = cost_of_rows(p) + cost_of_samples(p, p->plan.noise, p->wanted, false);
+    if (is_last) refined = INFINITY;
+    if (gathered < fmin(accepted, refined)) return GATHER;
+    return is_last || accepted <= refined ? ACCEPT : REFINE;
 }
 
 /// The picture begins again, with gather rays.
@@ -424,7 +459,7 @@ static rsv_status begin_gathering(rsv_planner *p)
     return take_first(p);
 }
 
-/// Refines elements while they limit the picture, it helps, and gather rays would take longer.
+/// Refines elements while they limit the picture, it helps, and nothing else takes less time.
 static rsv_status find_solution(rsv_planner *p)
 {
     rsv_status status = p->light ? RSV_OK : rsv_planner_solve(p);
@@ -433,12 +468,13 @@ static rsv_status find_solution(rsv_planner *p)
         p->plan.elements_error = NAN;
         status = take_first(p);
         if (status == RSV_OK) status = judge_elements(p);
-        if (status != RSV_OK || !elements_limit(p)) break;
+        if (status != RSV_OK || likely_elements_error(p) <= ELEMENTS_SHARE * p->wanted) break;
         bool was_stuck = p->is_stuck;
         p->is_stuck = p->plan.elements_error > LEAST_PROGRESS * before;
         bool is_last = p->is_given || p->plan.rounds >= MOST_ROUNDS || (was_stuck && p->is_stuck);
-        if (is_gathering_better(p, is_last)) status = begin_gathering(p);
-        if (is_last || p->plan.gathers) break;
+        remedy next = choose_remedy(p, is_last);
+        if (next == GATHER) status = begin_gathering(p);
+        if (next != REFINE) break;
         before = p->plan.elements_error;
         choose_finer(p);
         status = rsv_planner_solve(p);
