@@ -112,12 +112,12 @@ RSV_INLINE bool rsv_photon_cross(const rsv_transport_scene *scene, rsv_specular_
     return move == RSV_SPECULAR_MOVED;
 }
 
-/// In clear air, only photons caught in a body are as long as that.
+/// Photons caught in a body would take thousands of rays, and hardly ever land: in clear air, they end.
 RSV_INLINE bool rsv_photon_goes_on(
     const rsv_transport_scene *scene, rsv_specular_path *path, rsv_random *random)
 {
-    if (scene->view->fog) return rsv_specular_goes_on(path, random);
-    return path->events < RSV_SPECULAR_MAX_EVENTS;
+    bool caught = path->medium.depth > 0 && !scene->view->fog;
+    return caught ? path->events < RSV_SPECULAR_MAX_EVENTS : rsv_specular_goes_on(path, random);
 }
 
 /// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.

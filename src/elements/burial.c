@@ -86,6 +86,26 @@ static void bridge_hanging(rsv_elements *e, uint8_t *sound)
     }
 }
 
+static void bridge_cell(uint32_t node[3], const uint8_t *sound)
+{
+    uint32_t stand_in[3];
+    int count = 0;
+    for (int k = 0; k < 3; k++)
+        if (sound[node[k]]) stand_in[count++] = node[k];
+    if (count == 0 || count == 3) return;
+    for (int k = 0, next = 0; k < 3; k++)
+        if (!sound[node[k]]) node[k] = stand_in[next++ % count];
+}
+
+/// Of a cell that a wall cuts: corners take the value of the other one on their side of the wall, if there is one.
+static void bridge_sides(uint32_t node[3], const float side[3], const uint8_t *sound)
+{
+    const uint32_t own[3] = { node[0], node[1], node[2] };
+    for (int k = 0; k < 3; k++)
+        for (int other = 0; other < 3 && !sound[node[k]]; other++)
+            if (side[k] * side[other] > 0 && sound[own[other]]) node[k] = own[other];
+}
+
 rsv_status rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_points)
 {
     uint8_t *sound = rsv_alloc(e->context, e->node_count, 1);
@@ -94,13 +114,9 @@ rsv_status rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_poi
         sound[n] = valid_points[n] != 0;
     bridge_hanging(e, sound);
     for (size_t c = 0; c < e->cell_count; c++) {
-        uint32_t *node = e->cell_node[c], stand_in[3];
-        int count = 0;
-        for (int k = 0; k < 3; k++)
-            if (sound[node[k]]) stand_in[count++] = node[k];
-        if (count == 0 || count == 3) continue;
-        for (int k = 0, next = 0; k < 3; k++)
-            if (!sound[node[k]]) node[k] = stand_in[next++ % count];
+        const float *side = rsv_cell_sides(e, (uint32_t)c);
+        if (side) bridge_sides(e->cell_node[c], side, sound);
+        bridge_cell(e->cell_node[c], sound);
     }
     rsv_free(e->context, sound);
     return RSV_OK;

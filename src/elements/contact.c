@@ -2,6 +2,7 @@
 
 #include "../core/parallel.h"
 #include "../core/team.h"
+#include "cut_cells.h"
 #include "elements_constants.h"
 #include "elements_internal.h"
 #include "known_cells.h"
@@ -83,7 +84,6 @@ static uint32_t group_fan(
 static bool is_divided(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node, uint64_t *rays)
 {
-    if (e->node_hanging[node] != RSV_NONE) return false;
     fan f = fan_of(e, node);
     if (f.count > MAX_FAN) return false;
     *rays += f.count;
@@ -183,6 +183,18 @@ static bool hangs_at_gap(const rsv_elements *e, uint32_t node, uint32_t large)
     return false;
 }
 
+/// Whether a wall keeps the open ends of an edge apart: what hangs between them is on one of its sides.
+static bool is_edge_cut(const rsv_transport_scene *scene, uint8_t openness,
+    const rsv_cell_shape *shape, const hanging_edge *edge)
+{
+    rsv_vec3 end[2];
+    if (!(openness & RSV_CELL_CUT_THROUGH)) return false;
+    for (int k = 0; k < 2; k++)
+        end[k] =
+            rsv_cell_above(openness, shape, rsv_cell_inset(shape, shape->corner[edge->corner[k]]));
+    return rsv_is_blocked(scene, end[0], end[1]);
+}
+
 /// Whether a wall stands between the larger cell and the smaller ones that a hanging node belongs to.
 static bool hangs_across_wall(const rsv_transport_scene *scene, const rsv_elements *e,
     const rsv_hanging *hanging, const hanging_edge *edge)
@@ -198,8 +210,10 @@ static bool hangs_across_wall(const rsv_transport_scene *scene, const rsv_elemen
     if (!rsv_cell_outlook(on_small, &small, corner, &near) ||
         !rsv_cell_outlook(on_large, &large, from, &far))
         return false;
-    if (on_small >> corner & on_large >> from & on_large >> to & 1)
+    if (on_small >> corner & on_large >> from & on_large >> to & 1) {
+        if (is_edge_cut(scene, on_large, &large, edge)) return true;
         far = rsv_cell_above(on_large, &large, rsv_cell_inset(&large, small.corner[corner]));
+    }
     return rsv_is_blocked(scene, near, far);
 }
 
@@ -207,24 +221,29 @@ typedef struct edge_job {
     const rsv_transport_scene *scene;
     const rsv_elements *e;
     hanging_edge *edge; ///< [hanging_count], out
+    _Atomic uint64_t rays;
 } edge_job;
 
 static void find_edges(void *user, rsv_span span)
 {
-    const edge_job *job = user;
+    edge_job *job = user;
     const rsv_elements *e = job->e;
+    uint64_t rays = 0;
     for (size_t h = span.begin; h < span.end; h++) {
         hanging_edge *edge = &job->edge[h];
         *edge = find_edge(e, &e->hanging[h]);
         edge->walled =
-            edge->cell != RSV_NONE && hangs_across_wall(job->scene, e, &e->hanging[h], edge);
+            edge->cell != RSV_NONE && (hangs_across_wall(job->scene, e, &e->hanging[h], edge) ||
+                                          is_divided(job->scene, e, e->hanging[h].node, &rays));
     }
+    atomic_fetch_add(&job->rays, rays);
 }
 
-/// Lets go of nodes that hang across a wall and remembers the edges of the others.
-static void release_hanging(const rsv_transport_scene *scene, rsv_elements *e, hanging_edge *edge)
+/// Lets go of nodes that hang across a wall, or between whose cells one stands, and remembers the edges of the others.
+static void release_hanging(
+    const rsv_transport_scene *scene, rsv_elements *e, hanging_edge *edge, uint64_t *rays)
 {
-    edge_job job = { scene, e, edge };
+    edge_job job = { scene, e, edge, 0 };
     rsv_parallel_for(e->context, e->hanging_count, 256, find_edges, &job);
     size_t kept = 0;
     for (size_t h = 0; h < e->hanging_count; h++) {
@@ -234,6 +253,7 @@ static void release_hanging(const rsv_transport_scene *scene, rsv_elements *e, h
         edge[kept++] = edge[h];
     }
     e->hanging_count = kept;
+    *rays += job.rays;
 }
 
 /// Parents follow the larger cell to its side of a wall.
@@ -264,7 +284,8 @@ static void judge_nodes(void *user, rsv_span span)
         // walls took away some of the cells around each node that they divided: such have no twin
         bool known = d->undivided[node] ||
                      (d->earlier && rsv_elements_find_twin(d->e, node, d->earlier) != RSV_NONE);
-        d->divided[node] = !known && is_divided(d->scene, d->e, node, &rays);
+        d->divided[node] = !known && d->e->node_hanging[node] == RSV_NONE &&
+                           is_divided(d->scene, d->e, node, &rays);
     }
     atomic_fetch_add(&d->rays, rays);
 }
@@ -281,7 +302,7 @@ rsv_status rsv_elements_separate(
     const rsv_known_cells *known_cells = scene->known_cells;
     if (known_cells) RSV_TRY(known_cells->find_undivided(known_cells->user, e, undivided));
     size_t hanging_before = e->hanging_count;
-    release_hanging(scene, e, edge);
+    release_hanging(scene, e, edge, rays);
     division d = { scene, earlier, e, undivided, divided, rsv_team_place_of(e->context), 0 };
     rsv_parallel_for(e->context, e->node_count, 256, judge_nodes, &d);
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
@@ -291,7 +312,9 @@ rsv_status rsv_elements_separate(
     reattach_hanging(e, edge);
     *rays += traced;
     if (next > e->node_count || e->hanging_count < hanging_before)
-        status = rsv_elements_renumber(e, next);
+        RSV_TRY(rsv_elements_renumber(e, next));
+    RSV_TRY(rsv_elements_find_cuts(scene, e, rays));
+    rsv_elements_find_node_areas(e);
 cleanup:
     rsv_free(e->context, edge);
     rsv_free(e->context, divided);

@@ -304,10 +304,14 @@ static void average_nodes(void *user, rsv_span span)
             const uint32_t *corner = e->cell_node[e->support[s] / 4];
             uint32_t k = e->support[s] & 3;
             if (corner[k] != node) continue; // bridged
+            const float *side = rsv_cell_sides(e, e->support[s] / 4);
             float area = rsv_cell_area(e, e->support[s] / 4);
             sum = rgb_mad(sum, 0.5f * area, value[node]);
-            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 1) % 3]]);
-            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 2) % 3]]);
+            for (uint32_t next = 1; next < 3; next++) {
+                uint32_t other = (k + next) % 3;
+                bool apart = side && side[k] * side[other] <= 0; // by a wall
+                sum = rgb_mad(sum, 0.25f * area, value[apart ? node : corner[other]]);
+            }
             weight += area;
         }
         job->result[node] = weight > 0 ? rgb_scale(sum, 1 / weight) : value[node];

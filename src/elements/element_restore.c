@@ -167,3 +167,27 @@ rsv_status rsv_elements_restore_nodes(rsv_elements *e)
         return rsv_fail(RSV_ERROR_FORMAT, "elements: hanging nodes have no sound parents");
     return RSV_OK;
 }
+
+// ---- cuts -----------------------------------------------------------------------------------------
+
+uint32_t *rsv_elements_cut_cells(const rsv_elements *e)
+{
+    uint32_t *cell = rsv_alloc(e->context, e->cut_count, sizeof *cell);
+    for (uint32_t c = 0; cell && e->cell_cut && c < e->cell_count; c++)
+        if (e->cell_cut[c] != RSV_NONE) cell[e->cell_cut[c]] = c;
+    return cell;
+}
+
+rsv_status rsv_elements_restore_cuts(rsv_elements *e, const uint32_t *cell)
+{
+    if (e->cut_count == 0) return RSV_OK;
+    e->cell_cut = rsv_reserve(e->context, e->cell_count, sizeof *e->cell_cut);
+    if (!e->cell_cut) return RSV_ERROR_MEMORY;
+    memset(e->cell_cut, 0xff, e->cell_count * sizeof *e->cell_cut);
+    for (size_t k = 0; k < e->cut_count; k++) {
+        if (cell[k] >= e->cell_count || (k > 0 && cell[k] <= cell[k - 1]))
+            return rsv_fail(RSV_ERROR_FORMAT, "elements: the cells that walls cut do not exist");
+        e->cell_cut[cell[k]] = (uint32_t)k;
+    }
+    return RSV_OK;
+}

@@ -21,4 +21,10 @@ rsv_status rsv_elements_restore_cells(
 /// nodes.
 rsv_status rsv_elements_restore_nodes(rsv_elements *elements);
 
+/// Numbers of the cells that walls cut: [cut_count]. @return NULL if out of memory; freed by the caller
+uint32_t *rsv_elements_cut_cells(const rsv_elements *elements);
+
+/// Fills cell_cut. RSV_ERROR_FORMAT unless cells exist and ascend. @param cell [cut_count], those of cut_side
+rsv_status rsv_elements_restore_cuts(rsv_elements *elements, const uint32_t *cell);
+
 #endif

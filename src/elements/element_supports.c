@@ -1,5 +1,6 @@
 /// Collects the cells around each node.
 #include "../core/parallel.h"
+#include "cut_cells.h"
 #include "elements_internal.h"
 
 #include <stdlib.h>
@@ -91,13 +92,20 @@ static void add_cell_areas(void *user, rsv_span span)
     const rsv_elements *e = user;
     for (size_t n = span.begin; n < span.end; n++) {
         e->node_area[n] = 0;
-        for (uint32_t s = e->support_begin[n + 1]; s-- > e->support_begin[n];)
-            e->node_area[n] += rsv_cell_area(e, e->support[s] / 4) / 3;
+        for (uint32_t s = e->support_begin[n + 1]; s-- > e->support_begin[n];) {
+            uint32_t cell = e->support[s] / 4;
+            float area = rsv_cell_area(e, cell), share[3];
+            if (rsv_cell_sides(e, cell)) {
+                rsv_cell_shares(e, cell, share);
+                e->node_area[n] += share[e->support[s] & 3] * area;
+            } else {
+                e->node_area[n] += area / 3;
+            }
+        }
     }
 }
 
-/// Areas of the hat functions, those of hanging nodes with their parents.
-static void find_node_areas(rsv_elements *e)
+void rsv_elements_find_node_areas(rsv_elements *e)
 {
     rsv_parallel_for(e->context, e->node_count, 0, add_cell_areas, e);
     hand_over_areas(e);
@@ -107,7 +115,7 @@ void rsv_elements_find_areas(rsv_elements *e)
 {
     for (size_t face = 0; face < e->face_count; face++)
         e->face_area[face] = rsv_triangle_area(e->scene, e->face_triangle[face]);
-    find_node_areas(e);
+    rsv_elements_find_node_areas(e);
 }
 
 rsv_status rsv_elements_create_supports(rsv_elements *e)
@@ -125,7 +133,7 @@ rsv_status rsv_elements_create_supports(rsv_elements *e)
     count_supports(e);
     rsv_parallel_for(e->context, e->cell_count, 0, list_corners, &list);
     rsv_parallel_for(e->context, e->node_count, 0, sort_supports, e);
-    find_node_areas(e);
+    rsv_elements_find_node_areas(e);
 cleanup:
     rsv_free(e->context, (void *)list.taken);
     return status;

@@ -232,6 +232,8 @@ static bool copy_faces(rsv_elements *e)
     COPY(cell, e->cell_count);
     COPY(cell_node, e->cell_count);
     COPY(cell_openness, e->cell_count);
+    COPY(cell_cut, e->cell_count);
+    COPY(cut_side, e->cut_count);
     return complete;
 }
 
@@ -283,9 +285,9 @@ void rsv_elements_destroy(rsv_elements *e)
     rsv_context *context = e->context;
     void *arrays[] = { e->face_of[0], e->face_of[1], e->face_triangle, e->face_back, e->face_level,
         e->face_halvings, e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot,
-        e->slot_openness, e->cell, e->cell_node, e->cell_openness, e->node_face, e->node_area,
-        e->support_begin, e->support, e->hanging, e->node_hanging, e->led_begin, e->led,
-        e->node_draw };
+        e->slot_openness, e->cell, e->cell_node, e->cell_openness, e->cell_cut, e->cut_side,
+        e->node_face, e->node_area, e->support_begin, e->support, e->hanging, e->node_hanging,
+        e->led_begin, e->led, e->node_draw };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_voxels_destroy(e->voxels);
@@ -303,13 +305,14 @@ size_t rsv_elements_bytes(const rsv_elements *e)
                       sizeof *e->face_halvings + sizeof *e->face_slot + sizeof *e->face_area +
                       sizeof *e->face_corner + sizeof *e->face_edge;
     size_t per_cell = sizeof *e->cell + sizeof *e->cell_node + 3 * sizeof *e->support +
-                      (e->cell_openness ? sizeof *e->cell_openness : 0);
+                      (e->cell_openness ? sizeof *e->cell_openness : 0) +
+                      (e->cell_cut ? sizeof *e->cell_cut : 0);
     size_t per_node = sizeof *e->node_face + sizeof *e->node_area + sizeof *e->support_begin +
                       sizeof *e->node_hanging + (e->node_draw ? sizeof *e->node_draw : 0);
     return e->scene->triangle_count * 2 * sizeof *e->face_of[0] + e->face_count * per_face +
            e->slot_count * (sizeof *e->slot + (e->slot_openness != NULL)) +
            e->cell_count * per_cell + e->node_count * per_node +
-           e->hanging_count * sizeof *e->hanging +
+           e->cut_count * sizeof *e->cut_side + e->hanging_count * sizeof *e->hanging +
            (e->led_begin ? e->node_count * sizeof *e->led_begin +
                                e->led_begin[e->node_count] * sizeof *e->led
                          : 0) +

@@ -75,6 +75,11 @@ typedef struct rsv_elements {
     rsv_cell *cell;           ///< [cell_count]
     uint32_t (*cell_node)[3]; ///< [cell_count]
     uint8_t *cell_openness;   ///< [cell_count] open_corners.h; NULL = not judged
+    uint32_t *cell_cut;       ///< [cell_count] index into `cut_side`, RSV_NONE; NULL = none is cut
+    /// [cut_count] at the corners of a cell that a wall cuts, a linear function that is positive on one side of the wall
+    /// and negative on the other; 0 = in the wall (cut_cells.h)
+    float (*cut_side)[3];
+    size_t cut_count;
 
     size_t node_count;   ///< on surfaces, and behind them those of `voxels`
     uint32_t *node_face; ///< [node_count] one of the faces around the node; RSV_NONE in the air
@@ -137,6 +142,28 @@ void rsv_elements_destroy(rsv_elements *elements);
 /// Memory they take.
 size_t rsv_elements_bytes(const rsv_elements *elements);
 
+/// As in cut_side, of a cell; NULL = no wall cuts it.
+RSV_INLINE const float *rsv_cell_sides(const rsv_elements *elements, uint32_t cell)
+{
+    if (!elements->cell_cut || elements->cell_cut[cell] == RSV_NONE) return NULL;
+    return elements->cut_side[elements->cell_cut[cell]];
+}
+
+/// At a place in a cell that a wall cuts, weights of the corners on that side of the wall alone.
+RSV_INLINE void rsv_keep_side(const float side[3], float weight[3])
+{
+    float here = side[0] * weight[0] + side[1] * weight[1] + side[2] * weight[2], sum = 0;
+    int kept = 0;
+    for (int k = 2; k >= 0; k--) {
+        int is_kept = here < 0 ? side[k] < 0 : side[k] > 0;
+        kept = is_kept ? k : kept;
+        weight[k] = is_kept ? weight[k] : 0;
+        sum += weight[k];
+    }
+    for (int k = 0; k < 3; k++)
+        weight[k] = sum > 0 ? weight[k] / sum : (float)(k == kept);
+}
+
 /// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
 RSV_INLINE uint32_t rsv_elements_locate(
     const rsv_elements *elements, uint32_t face, float u, float v, float weight[3])
@@ -156,6 +183,8 @@ RSV_INLINE uint32_t rsv_elements_locate(
     weight[0] = f_min(f_max(b0, 0), 1);
     weight[1] = f_min(f_max(b1, 0), 1 - weight[0]);
     weight[2] = 1 - weight[0] - weight[1];
+    const float *side = rsv_cell_sides(elements, slot);
+    if (side) rsv_keep_side(side, weight);
     return slot;
 }
 

@@ -37,6 +37,9 @@
 /// fades all over the cell.
 #define FAR_CORNER 0.5f
 
+/// Shorter parts of the way between two corners of a cell do not count as open.
+#define SLIVER 1e-3f
+
 // ---- Where surfaces touch (contact.c, contact_splits.c, weld.c) --------------------------------------
 
 /// Maximum number of cells around a node; nodes with more are left alone.

@@ -35,4 +35,7 @@ rsv_status rsv_elements_are_countable(const rsv_elements *elements);
 /// Supports, faces and areas of numbered nodes.
 rsv_status rsv_elements_create_supports(rsv_elements *elements);
 
+/// Areas of the hat functions, those of hanging nodes with their parents.
+void rsv_elements_find_node_areas(rsv_elements *elements);
+
 #endif

@@ -22,18 +22,20 @@ static uint32_t find_far_corners(
 typedef struct outlooks {
     rsv_vec3 place[3], middle;
     uint32_t open; ///< corners, as bits
-    bool middle_open;
+    bool middle_open,
+        beyond; ///< beyond: the cell reaches through a wall, to where it has no corner
 } outlooks;
 
 /// @param blocked by side of the cell: whether something stands between its ends
 static uint8_t openness_of(const rsv_transport_scene *scene, const outlooks *at, bool cut,
     const bool blocked[3], uint64_t *rays)
 {
-    bool through = false;
+    bool through = at->beyond;
     for (int k = 0; k < 3; k++)
         through = through || (blocked[k] && (at->open >> k & 1) && (at->open >> (k + 1) % 3 & 1));
     uint32_t near = at->open;
-    if (cut && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
+    // where a wall parts open corners, each side has its own up to the wall (cut_cells.h)
+    if (cut && !through && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
     if (!near && !at->middle_open) near = at->open;
     return (uint8_t)(near | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0) |
                      (!near && at->middle_open ? RSV_CELL_OPEN_INSIDE : 0));
@@ -55,6 +57,31 @@ static bool is_inside(const rsv_transport_scene *scene, const rsv_cell_shape *sh
 {
     return rsv_is_buried(scene, place, shape->normal, SEED, rays) ||
            (cut && rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays));
+}
+
+/// Whether the way from a corner in the open to one inside a wall passes through another wall first, and is in the open
+/// between them: at the corner of a house.
+static bool is_open_between(const rsv_transport_scene *scene, const rsv_cell_shape *shape,
+    rsv_vec3 open, rsv_vec3 inside, uint64_t *rays)
+{
+    float there = rsv_clear_part(scene, open, inside), back = rsv_clear_part(scene, inside, open),
+          between = 1 - there - back;
+    *rays += 2;
+    if (between < SLIVER) return false;
+    rsv_vec3 place = v3_mad(inside, back + 0.1f * between, v3_sub(open, inside));
+    return !is_inside(scene, shape, place, true, rays);
+}
+
+static bool reaches_beyond(const rsv_transport_scene *scene, const rsv_cell_shape *shape,
+    const outlooks *at, const bool blocked[3], uint64_t *rays)
+{
+    bool beyond = false;
+    for (int k = 0; k < 3; k++) {
+        int open = at->open >> k & 1 ? k : (k + 1) % 3, inside = open == k ? (k + 1) % 3 : k;
+        if (!blocked[k] || !(at->open >> open & 1) || at->open >> inside & 1) continue;
+        beyond = beyond || is_open_between(scene, shape, at->place[open], at->place[inside], rays);
+    }
+    return beyond;
 }
 
 /// Whether a place in a gap sees some of the gap: nothing touches it, and the gap is not inside something.
@@ -105,6 +132,7 @@ static uint8_t judge_cell(
     for (int k = 0; k < 3; k++)
         at.open |= (uint32_t) !(covered[k] || is_inside(scene, shape, at.place[k], cut, rays)) << k;
     cut = cut || (all && !middle_covered);
+    at.beyond = cut && reaches_beyond(scene, shape, &at, blocked, rays);
     at.middle_open = cut && !middle_covered && !is_inside(scene, shape, at.middle, true, rays);
     return openness_of(scene, &at, cut, blocked, rays);
 }

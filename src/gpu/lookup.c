@@ -9,6 +9,8 @@ void rsv_gpu_lookup_place(rsv_gpu_lookup *l, size_t triangle_count, rsv_gpu_bloc
     to->face_slot = rsv_gpu_place(b, e->face_count, sizeof *e->face_slot);
     to->slot = rsv_gpu_place(b, e->slot_count, sizeof *e->slot);
     to->cell_node = rsv_gpu_place(b, e->cell_count, sizeof *e->cell_node);
+    to->cell_cut = e->cell_cut ? rsv_gpu_place(b, e->cell_count, sizeof *e->cell_cut) : NULL;
+    to->cut_side = e->cell_cut ? rsv_gpu_place(b, e->cut_count, sizeof *e->cut_side) : NULL;
     for (int back = 0; back < 2; back++)
         to->face_of[back] = rsv_gpu_place(b, triangle_count, sizeof *e->face_of[back]);
 }
@@ -23,5 +25,9 @@ void rsv_gpu_lookup_upload(const rsv_gpu_lookup *l, size_t triangle_count, rsv_g
         { to->cell_node, e->cell_node, e->cell_count, sizeof *e->cell_node },
         { to->face_of[0], e->face_of[0], triangle_count, sizeof *e->face_of[0] },
         { to->face_of[1], e->face_of[1], triangle_count, sizeof *e->face_of[1] } };
+    const rsv_gpu_array cuts[] = { { to->cell_cut, e->cell_cut, e->cell_count,
+                                       sizeof *e->cell_cut },
+        { to->cut_side, e->cut_side, e->cut_count, sizeof *e->cut_side } };
     rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+    if (e->cell_cut) rsv_gpu_upload_all(gpu, cuts, sizeof cuts / sizeof cuts[0]);
 }

@@ -8,7 +8,8 @@
 typedef struct rsv_gpu_lookup {
     const rsv_elements *host; ///< borrowed until it is uploaded
     rsv_elements
-        elements; ///< device addresses: only face_level, face_slot, slot, cell_node, face_of
+        elements; ///< device addresses: only face_level, face_slot, slot, cell_node, cell_cut, cut_side,
+                  ///< face_of
     rsv_elements *there; ///< the same, on the device
 } rsv_gpu_lookup;
 

@@ -287,7 +287,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
-        if (slot & RSV_SLOT_SPLIT) {
+        if (slot & RSV_SLOT_SPLIT || rsv_cell_sides(e, slot)) {
             float weight[3], random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
             uint32_t cell =
                 rsv_elements_locate(e, target[k].face, packet->u[k], packet->v[k], weight);

@@ -98,6 +98,33 @@ cleanup:
     return status;
 }
 
+/// Lines on which walls stand in cells.
+static rsv_status write_cuts(rsv_tensor_file *file, rsv_elements *e)
+{
+    if (e->cut_count == 0) return RSV_OK;
+    rsv_status status = rsv_tensor_give(
+        file, "cell.cut", RSV_TENSOR_U32, 1, e->cut_count, rsv_elements_cut_cells(e));
+    if (status != RSV_OK) return status;
+    return rsv_tensor_exchange(file, "cell.side", RSV_TENSOR_F32, 3, &e->cut_side, &e->cut_count);
+}
+
+/// Files of versions without them have none.
+static rsv_status read_cuts(rsv_tensor_file *file, rsv_elements *e)
+{
+    if (!rsv_tensor_find(file, "cell.cut")) return RSV_OK;
+    rsv_status status;
+    uint32_t *cell = NULL;
+    size_t count = RSV_ANY_COUNT;
+    RSV_TRY(rsv_tensor_exchange(file, "cell.cut", RSV_TENSOR_U32, 1, &cell, &count));
+    RSV_TRY(rsv_tensor_exchange(file, "cell.side", RSV_TENSOR_F32, 3, &e->cut_side, &count));
+    RSV_TRY(rsv_check_numbers(file, "cell.side", e->cut_side[0], 3 * count, -1));
+    e->cut_count = count;
+    RSV_TRY(rsv_elements_restore_cuts(e, cell));
+cleanup:
+    rsv_free(file->context, cell);
+    return status;
+}
+
 static void place_node(const rsv_scene_view *scene, const rsv_elements *e, size_t node,
     rsv_vec3 *position, rsv_vec3 *normal, uint32_t *triangle)
 {
@@ -157,6 +184,7 @@ rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
     RSV_TRY(rsv_tensor_give(
         file, "cell.split", RSV_TENSOR_U8, 1, e.slot_count, rsv_elements_splits(&e)));
     RSV_TRY(exchange_nodes(file, &e));
+    RSV_TRY(write_cuts(file, &e));
     RSV_TRY(write_places(file, scene, &e));
     RSV_TRY(split_hanging(&e, &h));
     RSV_TRY(give_hanging(file, &h));
@@ -213,6 +241,7 @@ rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rs
     RSV_TRY(exchange_hanging(file, &h));
     RSV_TRY(join_hanging(e, &h));
     RSV_TRY(rsv_elements_restore_nodes(e));
+    RSV_TRY(read_cuts(file, e));
     *elements = e;
     e = NULL;
 cleanup:

@@ -1,6 +1,7 @@
 #include "moved_elements.h"
 
 #include "../core/parallel.h"
+#include "../elements/cut_cells.h"
 #include "../elements/open_corners.h"
 
 #include <string.h>
@@ -135,6 +136,29 @@ static rsv_status bridge_again(
     return status;
 }
 
+/// Lines on which walls stand, as they are now; what they part otherwise than before belongs to the change.
+static rsv_status cut_again(
+    const rsv_transport_scene *scene, rsv_elements *e, rsv_scene_change *change)
+{
+    uint64_t rays = 0;
+    uint32_t *cut = e->cell_cut;
+    float(*side)[3] = e->cut_side;
+    if (!e->cell_openness) return RSV_OK;
+    e->cell_cut = NULL;
+    e->cut_side = NULL;
+    rsv_status status = rsv_elements_find_cuts(scene, e, &rays);
+    for (uint32_t c = 0; c < e->cell_count && status == RSV_OK && (cut || e->cell_cut); c++) {
+        const float *then = cut && cut[c] != RSV_NONE ? side[cut[c]] : NULL,
+                    *now = rsv_cell_sides(e, c);
+        if (!then == !now && (!now || memcmp(then, now, sizeof *side) == 0)) continue;
+        rsv_box b = rsv_box_of_cell(e, c);
+        rsv_scene_change_cover(change, b.low, b.high);
+    }
+    rsv_free(e->context, cut);
+    rsv_free(e->context, side);
+    return status;
+}
+
 static bool changes_size(const rsv_elements *e, const uint8_t *moved)
 {
     for (size_t face = 0; face < e->face_count; face++) {
@@ -157,7 +181,8 @@ rsv_status rsv_elements_follow(const rsv_transport_scene *scene, rsv_elements *e
     if (e->cell_openness) rsv_parallel_for(e->context, e->cell_count, 64, judge_corners, &job);
     if (m->contacts) *m->contacts = (uint8_t)job.contacts;
     rsv_parallel_for(e->context, e->node_count, 64, judge_points, &job);
-    status = bridge_again(e, valid_points, m->change);
+    status = cut_again(scene, e, m->change);
+    if (status == RSV_OK) status = bridge_again(e, valid_points, m->change);
     rsv_free(e->context, near);
     return status;
 }

@@ -69,6 +69,8 @@ static rsv_status fill(const rsv_row_basis *t, rsv_row_catalogue *c)
         uint32_t face = e->cell[k].face;
         size_t side = 2 * (size_t)e->face_triangle[face] + e->face_back[face];
         c->cell_key[k] = rsv_key_add(c->cell_key[k], t->side_kind[side]);
+        const float *cut = rsv_cell_sides(e, (uint32_t)k);
+        if (cut) c->cell_key[k] = rsv_key_add_bytes(c->cell_key[k], cut, sizeof *e->cut_side);
     }
     return add_normal_maps(e, c->node_key);
 }

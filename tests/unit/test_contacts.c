@@ -1,6 +1,7 @@
 /// Light does not leak through walls, and is not lost where objects touch, hang close together or intersect.
 #include "elements/burial.h"
 #include "elements/contact.h"
+#include "elements/cut_cells.h"
 #include "elements/open_corners.h"
 #include "elements/spacing.h"
 #include "light_fixture.h"
@@ -36,16 +37,21 @@ static world *create_split_room(split_room room)
     return w;
 }
 
-static rsv_light *solve_small(const world *w, uint32_t seed)
+static rsv_light *solve_with(const world *w, uint32_t elements, uint32_t rays, uint32_t seed)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 700;
-    desc.rays_per_element = 64;
+    desc.element_target = elements;
+    desc.rays_per_element = rays;
     desc.photon_count = 1000;
     desc.seed = seed;
     rsv_light *solution;
     assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
+}
+
+static rsv_light *solve_small(const world *w, uint32_t seed)
+{
+    return solve_with(w, 700, 64, seed);
 }
 
 static float look_up(
@@ -656,9 +662,114 @@ static void a_plate_behind_bars_is_lit(void **state)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
+// ---- closed rooms in daylight ---------------------------------------------------------------------
+
+/// Half the inner size of a room built of boxes, and its height.
+#define HALF_X 2.0f
+#define HALF_Z 2.5f
+#define CEILING 2.6f
+
+/// A closed room of four walls and a roof that juts out, white sky all around. The walls stand on a slab that is lit
+/// outside, or reach through a sheet.
+static world *create_closed_room(float thickness, bool on_sheet)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    const float low = on_sheet ? -0.1f : 0, high = CEILING - low, x = HALF_X + thickness,
+                z = HALF_Z + thickness;
+    world_box(w, paint, v3(-x, low, -HALF_Z), v3(-HALF_X, high, HALF_Z));
+    world_box(w, paint, v3(HALF_X, low, -HALF_Z), v3(x, high, HALF_Z));
+    world_box(w, paint, v3(-x, low, -z), v3(x, high, -HALF_Z));
+    world_box(w, paint, v3(-x, low, HALF_Z), v3(x, high, z));
+    world_box(w, paint, v3(-3, CEILING, -3.5f), v3(3, CEILING + 0.2f, 3.5f));
+    if (on_sheet)
+        world_quad(w, paint, v3(-6, 0, 6), v3(6, 0, 6), v3(6, 0, -6), v3(-6, 0, -6));
+    else
+        world_box(w, paint, v3(-5, -0.2f, -5.5f), v3(5, 0, 5.5f));
+    assert_int_equal(rsv_scene_set_builtin_environment(w->scene, "white", 1, 0), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+/// The most light within the room: on its floor, its ceiling and a wall, down to two millimetres from where they meet.
+static float most_light_inside(const world *w, const rsv_light *s)
+{
+    const float distance[] = { 0.002f, 0.01f, 0.05f, 0.3f };
+    float most = 0;
+    for (int d = 0; d < 4; d++)
+        for (int k = 0; k < 40; k++) {
+            float t = ((float)k + 0.5f) / 40, x = HALF_X - distance[d],
+                  z = (2 * t - 1) * (HALF_Z - 0.002f);
+            most = f_max(most, look_up(w, s, v3(x, 0, z), v3(0, 1, 0), RSV_NONE));
+            most = f_max(most, look_up(w, s, v3(-x, CEILING, z), v3(0, -1, 0), RSV_NONE));
+            most = f_max(most, look_up(w, s, v3(HALF_X, distance[d], z), v3(-1, 0, 0), RSV_NONE));
+        }
+    return most;
+}
+
+static void check_closed_room(float thickness, bool on_sheet)
+{
+    world *w = create_closed_room(thickness, on_sheet);
+    rsv_light *s = solve_with(w, 3000, 64, 0);
+    float inside_it = most_light_inside(w, s),
+          outside = look_up(w, s, v3(3.5f, 0, 0), v3(0, 1, 0), RSV_NONE);
+    rsv_light_destroy(s);
+    world_end(w);
+    if (!(outside > 1 && inside_it < 1e-4f * outside))
+        fail_msg("walls of %g m: %g inside, %g outside", thickness, inside_it, outside);
+}
+
+static void closed_rooms_in_daylight_are_dark(void **state)
+{
+    (void)state;
+    check_closed_room(0.03f, false);
+    check_closed_room(0.03f, true);
+    check_closed_room(0.2f, true);
+}
+
+// ---- cells that a wall cuts -----------------------------------------------------------------------
+
+/// Shares of a cell are the integrals of its corners' weights, and no weight reaches across the wall.
+static void check_cut(const float side[3])
+{
+    enum { STEPS = 400 };
+    uint32_t cut = 0;
+    float line[1][3], share[3];
+    double sum[3] = { 0 };
+    memcpy(line[0], side, sizeof line[0]);
+    rsv_elements e = { .cell_cut = &cut, .cut_side = line, .cut_count = 1 };
+    for (int i = 0; i < STEPS; i++)
+        for (int j = 0; j < STEPS; j++) {
+            float u = ((float)i + 0.5f) / STEPS, v = ((float)j + 0.5f) / STEPS;
+            float weight[3] = { 1 - u - v, u, v };
+            float here = side[0] * weight[0] + side[1] * u + side[2] * v;
+            if (u + v >= 1) continue;
+            rsv_keep_side(side, weight);
+            assert_float_equal(weight[0] + weight[1] + weight[2], 1, 1e-5f);
+            for (int k = 0; k < 3; k++) {
+                assert_true(weight[k] >= 0 && (weight[k] == 0 || side[k] * here >= 0));
+                sum[k] += 2 * (double)weight[k] / (STEPS * STEPS);
+            }
+        }
+    rsv_cell_shares(&e, 0, share);
+    for (int k = 0; k < 3; k++)
+        assert_float_equal(share[k], sum[k], 0.01f);
+}
+
+static void shares_of_cut_cells_are_integrals_of_weights(void **state)
+{
+    (void)state;
+    check_cut((float[3]){ 1, -1, -1 });
+    check_cut((float[3]){ -0.2f, 1, -0.7f });
+    check_cut((float[3]){ 0.5f, 0.4f, -1 });
+    check_cut((float[3]){ 0, 1, -0.3f });
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(closed_rooms_in_daylight_are_dark),
+        cmocka_unit_test(shares_of_cut_cells_are_integrals_of_weights),
         cmocka_unit_test(a_thin_wall_on_the_grid_keeps_light_out),
         cmocka_unit_test(a_thick_wall_keeps_light_out),
         cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),

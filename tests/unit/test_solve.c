@@ -30,6 +30,34 @@ static rsv_light *solve(const world *w, uint32_t elements)
     return solve_with(w, &desc);
 }
 
+// ---- long ways ----------------------------------------------------------------------------------
+
+/// Light in a box of perfect mirrors ends on the only thing that is none: a black patch, 1/600 of the walls. That is after
+/// 600 reflections in the mean, and no photon is lost on the way.
+static void light_among_mirrors_arrives_in_the_end(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material mirror = rsv_default_material();
+    mirror.base_color = rgb_gray(1);
+    mirror.metallic = 1;
+    mirror.roughness = 0;
+    world_room(w, world_material(w, mirror), v3(0, 0, 0), v3(1, 1, 1));
+    world_quad(w, world_lambert(w, 0, 0), v3(0.3f, 1e-4f, 0.4f), v3(0.4f, 1e-4f, 0.4f),
+        v3(0.4f, 1e-4f, 0.3f), v3(0.3f, 1e-4f, 0.3f));
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0.62f, 0.57f, 0.53f), .intensity = rgb_gray(1)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    rsv_light *s = solve(w, 20);
+    double arrives = rsv_light_report(s)->mean_irradiance * 0.01, sent = 4 * (double)RSV_PI;
+    print_message("    %.4f of the light arrives\n", arrives / sent);
+    assert_close(arrives, sent, 0.08 * sent);
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 // ---- furnaces -----------------------------------------------------------------------------------
 
 /// A closed room whose walls emit 1 W/m2 and reflect `albedo`.
@@ -722,6 +750,7 @@ static void cancelled_work_can_begin_again(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
+        cmocka_unit_test(light_among_mirrors_arrives_in_the_end),
         cmocka_unit_test(a_furnace_glows_by_one_over_one_minus_albedo),
         cmocka_unit_test(hardly_absorbing_furnaces_converge),
         cmocka_unit_test(lookups_find_the_side_that_a_probe_lies_on),

@@ -192,6 +192,20 @@ static void the_report_says_what_was_kept(void **state)
         world_end(w[k]);
 }
 
+/// The largest difference from independent solutions: those of five seeds scatter by a fifth.
+static double chance_difference(const world *w, const rsv_light *first)
+{
+    rsv_solve_desc desc = fewer_elements();
+    double largest = 0;
+    for (desc.seed = 2; desc.seed <= 6; desc.seed++) {
+        rsv_light *other;
+        assert_int_equal(rsv_light_create(w->scene, &desc, &other), RSV_OK);
+        largest = fmax(largest, difference(first, other));
+        rsv_light_destroy(other);
+    }
+    return largest;
+}
+
 /// The same room after each pair of edits: neither its light nor the size of the store drifts.
 static void edits_back_and_forth_end_where_they_began(void **state)
 {
@@ -206,16 +220,11 @@ static void edits_back_and_forth_end_where_they_began(void **state)
         rsv_light_destroy(update(w[1], m.store, NULL));
         last = update(w[0], m.store, NULL);
     }
-    rsv_solve_desc desc = fewer_elements();
-    desc.seed = 2;
-    rsv_light *other = NULL;
-    assert_int_equal(rsv_light_create(w[0]->scene, &desc, &other), RSV_OK);
-    double chance = difference(first, other), drift = difference(first, last);
+    double chance = chance_difference(w[0], first), drift = difference(first, last);
     if (!(drift < chance)) fail_msg("%g after edits, %g by chance", drift, chance);
     assert_true((double)rsv_update_store_bytes(m.store) < 1.1 * (double)bytes);
     rsv_light_destroy(first);
     rsv_light_destroy(last);
-    rsv_light_destroy(other);
     end_memory(&m);
     world_end(w[0]);
     world_end(w[1]);
