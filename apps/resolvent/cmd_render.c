@@ -476,7 +476,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = certificate->samples ? certificate : NULL;
+    stats->certificate = certificate && certificate->samples ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
@@ -624,33 +624,54 @@ static void close_frame(const reel *r, cli_subject *subject)
     cli_close_subject(subject);
 }
 
-static bool run_frame(void *user, uint32_t frame)
+/// The figures of a frame: the last moment's, and the time of all.
+static void note_picture(
+    reel *r, const cli_subject *subject, const rsv_render_desc *desc, const cli_stats *stats)
 {
-    reel *r = user;
+    r->stats.time_render += stats->time_render;
+    r->stats.standard_error = stats->standard_error;
+    r->stats.width = desc->width;
+    r->stats.height = desc->height;
+    r->stats.samples = desc->samples * cli_moments_of_frame(&r->s->sequence);
+    r->stats.order_count = subject->solution ? rsv_light_order_count(subject->solution) : 0;
+}
+
+/// Solves and renders one moment. @param image out; to be destroyed
+static bool run_moment(reel *r, uint32_t frame, uint32_t moment, rsv_image **image)
+{
+    const settings *s = r->s;
     cli_subject subject = { 0 };
-    rsv_image *image = NULL;
     rsv_render_desc desc;
     cli_stats stats = { .standard_error = NAN };
-    const settings *s = r->s;
-    r->session->moment.time = cli_frame_time(&s->sequence, frame);
+    r->session->moment.time = cli_frame_time(&s->sequence, frame, moment);
     subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
     bool good = subject.scene && describe_picture(s, subject.scene, &desc);
     rsv_status status = good && is_solved(s) ? find_light(r, &subject, &desc) : RSV_OK;
     if (good && r->light) // its cameras are those of the first frame
         desc.viewpoint = &rsv_scene_get_view(subject.scene)->camera[desc.camera];
-    if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
-    if (good && status == RSV_OK && frame == s->sequence.first)
-        r->exposure = choose_exposure(r->session, s, image);
-    if (good && status == RSV_OK) status = write_pictures(r->session, s, frame, image, r->exposure);
+    if (good) desc.seed += moment;
+    if (good && status == RSV_OK) status = render(s, &desc, &subject, image, &stats);
     if (status != RSV_OK) cli_report_failure(r->session, status);
-    r->stats.time_render += stats.time_render;
-    r->stats.standard_error = stats.standard_error;
-    r->stats.width = good ? desc.width : 0;
-    r->stats.height = good ? desc.height : 0;
-    r->stats.samples = good ? desc.samples : 0;
-    r->stats.order_count = subject.solution ? rsv_light_order_count(subject.solution) : 0;
-    rsv_image_destroy(image);
+    if (good) note_picture(r, &subject, &desc, &stats);
     close_frame(r, &subject);
+    return good && status == RSV_OK;
+}
+
+static bool run_frame(void *user, uint32_t frame)
+{
+    reel *r = user;
+    const settings *s = r->s;
+    rsv_image *mean = NULL;
+    bool good = true;
+    for (uint32_t k = 0; k < cli_moments_of_frame(&s->sequence) && good; k++) {
+        rsv_image *image = NULL;
+        good = run_moment(r, frame, k, &image);
+        if (good) cli_add_moment(&s->sequence, image, &mean);
+    }
+    if (good && frame == s->sequence.first) r->exposure = choose_exposure(r->session, s, mean);
+    rsv_status status = good ? write_pictures(r->session, s, frame, mean, r->exposure) : RSV_OK;
+    if (status != RSV_OK) cli_report_failure(r->session, status);
+    rsv_image_destroy(mean);
     return good && status == RSV_OK;
 }
 
