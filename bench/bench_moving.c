@@ -5,6 +5,7 @@
 #include "moved_scene.h"
 #include "moving_scenes.h"
 
+#include "resolvent/animation.h"
 #include "resolvent/render.h"
 #include "resolvent/update.h"
 
@@ -15,7 +16,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { DEFAULT_FRAMES = 8, POINTS = 600, LAGS = 3 };
+enum { DEFAULT_FRAMES = 8, POINTS = 600, LAGS = 3, PART = 400 };
 static const uint32_t lag_frames[LAGS] = { 1, 2, 4 };
 
 /// The scene before anything moves, and its moving objects.
@@ -25,13 +26,15 @@ typedef struct stage {
     cli_motion moves;
     uint32_t object; ///< the first that moves
     uint32_t frame_count;
+    rsv_animation *animation; ///< of the file, which moves instead; NULL = none
 } stage;
 
 /// Readings of all frames at points that stay where they are.
 typedef struct readings {
     double (*whole)[POINTS], (*followed)[POINTS]; ///< [frame_count] W/m2, luminance
     double *spent, *spent_updating, *spent_anew;  ///< [frame_count] s of a processor
-    double *apart, *kept_rays, *kept_lights;      ///< [frame_count]
+    double *spent_in_parts;                  ///< [frame_count] the same, if there is an animation
+    double *apart, *kept_rays, *kept_lights; ///< [frame_count]
     rsv_probe probe[POINTS];
 } readings;
 
@@ -51,8 +54,16 @@ static bool find_motion(stage *s)
     return true;
 }
 
+/// One second of the animation has 30 frames.
+static rsv_status scene_of_time(const stage *s, uint32_t frame, rsv_scene **scene)
+{
+    const rsv_clip *clip = rsv_animation_clip(s->animation, 0);
+    return rsv_animation_scene(s->animation, RSV_NONE, clip->start + frame / 30.0, scene);
+}
+
 static rsv_status scene_of_frame(const stage *s, uint32_t frame, rsv_scene **scene)
 {
+    if (s->animation) return scene_of_time(s, frame, scene);
     const rsv_scene_view *view = rsv_scene_get_view(s->scene);
     float share = (float)frame / (float)(s->frame_count - 1);
     size_t count = 0;
@@ -103,6 +114,7 @@ static rsv_solve_desc describe(const stage *s)
 /// Lights of one frame.
 typedef struct frame_lights {
     rsv_light *followed; ///< stays from frame to frame; NULL = there is none yet
+    rsv_light *in_parts; ///< the same, of which PART triangles have their turn in a frame
     rsv_light *updated, *whole;
 } frame_lights;
 
@@ -114,6 +126,20 @@ static rsv_status follow(
     rsv_status status = RSV_OK;
     if (!l->followed) status = rsv_light_create(s->scene, &desc, &l->followed);
     return status == RSV_OK ? rsv_light_follow(l->followed, scene, kept) : status;
+}
+
+/// The same in parts, if an animation deforms what moves.
+static rsv_status follow_in_parts(
+    const stage *s, uint32_t k, const rsv_scene *scene, frame_lights *l, readings *r)
+{
+    rsv_status status = RSV_OK;
+    if (!s->animation) return RSV_OK;
+    const rsv_solve_desc desc = describe(s);
+    if (!l->in_parts) status = rsv_light_create(s->scene, &desc, &l->in_parts);
+    double start = processor_seconds();
+    if (!status) status = rsv_light_follow_part(l->in_parts, scene, PART, NULL);
+    r->spent_in_parts[k] = processor_seconds() - start;
+    return status;
 }
 
 static rsv_status solve_frame(const stage *s, uint32_t k, const rsv_scene *scene,
@@ -142,6 +168,7 @@ static rsv_status run_frame(
     rsv_scene *scene = NULL;
     rsv_status status = scene_of_frame(s, k, &scene);
     if (!status) status = solve_frame(s, k, scene, store, l, r);
+    if (!status) status = follow_in_parts(s, k, scene, l, r);
     if (!status) status = read_light(l->followed, r->probe, r->followed[k]);
     if (!status) status = read_light(l->whole, r->probe, r->whole[k]);
     if (!status) r->apart[k] = cli_light_difference(l->whole, l->followed);
@@ -200,6 +227,8 @@ static void add_results(const stage *s, readings *r, cJSON *result)
     cJSON_AddNumberToObject(result, "follow_ms", 1e3 * follow);
     cJSON_AddNumberToObject(result, "update_ms", 1e3 * update);
     cJSON_AddNumberToObject(result, "anew_ms", 1e3 * anew);
+    if (s->animation)
+        cJSON_AddNumberToObject(result, "parts_ms", 1e3 * cli_median(r->spent_in_parts + 1, moves));
     cJSON_AddNumberToObject(result, "times_cheaper", anew / follow);
     cJSON_AddNumberToObject(result, "update_times_cheaper", anew / update);
     cJSON_AddNumberToObject(result, "kept_rays", mean_of(r->kept_rays + 1, moves));
@@ -213,13 +242,14 @@ static bool allocate(readings *r, size_t frames)
 {
     r->whole = calloc(frames, sizeof *r->whole);
     r->followed = calloc(frames, sizeof *r->followed);
-    r->spent = calloc(6 * frames, sizeof *r->spent);
+    r->spent = calloc(7 * frames, sizeof *r->spent);
     if (!r->whole || !r->followed || !r->spent) return false;
     r->spent_anew = r->spent + frames;
     r->apart = r->spent + 2 * frames;
     r->kept_rays = r->spent + 3 * frames;
     r->kept_lights = r->spent + 4 * frames;
     r->spent_updating = r->spent + 5 * frames;
+    r->spent_in_parts = r->spent + 6 * frames;
     return true;
 }
 
@@ -227,7 +257,7 @@ static rsv_status measure(const stage *s, cJSON *result)
 {
     static const readings none = { 0 };
     rsv_update_store *store = NULL;
-    frame_lights lights = { NULL, NULL, NULL };
+    frame_lights lights = { NULL, NULL, NULL, NULL };
     readings *r = malloc(sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
     *r = none;
@@ -240,6 +270,7 @@ static rsv_status measure(const stage *s, cJSON *result)
     }
     if (!status) add_results(s, r, result);
     rsv_light_destroy(lights.followed);
+    rsv_light_destroy(lights.in_parts);
     rsv_update_store_destroy(store);
     free(r->whole);
     free(r->followed);
@@ -248,19 +279,38 @@ static rsv_status measure(const stage *s, cJSON *result)
     return status;
 }
 
+/// The scene, with the animation if it is an animated file.
+static rsv_status open_stage(stage *s)
+{
+    rsv_context *context = s->bench->session->context;
+    const char *end = strrchr(s->bench->scene, '.');
+    if (!end || (strcmp(end, ".glb") != 0 && strcmp(end, ".gltf") != 0)) return RSV_OK;
+    rsv_status status = rsv_animation_open(context, s->bench->scene, NULL, &s->animation);
+    if (status != RSV_OK) return status;
+    if (rsv_animation_clip_count(s->animation) > 0) return scene_of_time(s, 0, &s->scene);
+    rsv_animation_destroy(s->animation);
+    s->animation = NULL;
+    return RSV_OK;
+}
+
+static rsv_status run(stage *s, cJSON *result)
+{
+    if (!s->animation && !find_motion(s)) return RSV_ERROR_SCENE;
+    const char *object =
+        s->animation ? "animation" : rsv_scene_get_view(s->scene)->object_name[s->object];
+    cJSON_AddStringToObject(result, "object", object);
+    return measure(s, result);
+}
+
 bool cli_bench_moving(const cli_bench_task *bench, cJSON *result)
 {
     stage s = { .bench = bench, .frame_count = bench->frames ? bench->frames : DEFAULT_FRAMES };
-    rsv_status status = RSV_ERROR_SCENE;
     if (s.frame_count < 2) s.frame_count = 2;
-    s.scene = cli_open_bench_scene(bench);
-    if (!s.scene) return false;
-    if (find_motion(&s)) {
-        cJSON_AddStringToObject(
-            result, "object", rsv_scene_get_view(s.scene)->object_name[s.object]);
-        status = measure(&s, result);
-    }
+    rsv_status status = open_stage(&s);
+    if (status == RSV_OK && !s.scene && !(s.scene = cli_open_bench_scene(bench))) return false;
+    if (status == RSV_OK) status = run(&s, result);
     rsv_scene_destroy(s.scene);
+    rsv_animation_destroy(s.animation);
     if (status == RSV_ERROR_SCENE || status == RSV_ERROR_UNSUPPORTED)
         cli_error("bench moving: '%s' has no object small enough to be moved", bench->scene);
     else if (status != RSV_OK)
@@ -278,6 +328,8 @@ void cli_print_moving(const cJSON *result)
         "of the elements' direct light\n",
         cli_json_number(result, "follow_ms"), 100 * cli_json_number(result, "kept_rays"),
         100 * cli_json_number(result, "kept_lights"));
+    if (cJSON_GetObjectItem(result, "parts_ms"))
+        printf("  in parts of %d triangles %5.0f ms\n", PART, cli_json_number(result, "parts_ms"));
     printf("  a frame solved anew  %8.0f ms: %.1f times as much\n",
         cli_json_number(result, "anew_ms"), cli_json_number(result, "times_cheaper"));
     printf("  a frame updated      %8.0f ms: anew %.1f times as much\n",
@@ -296,8 +348,8 @@ void cli_print_moving(const cJSON *result)
 
 bool cli_write_moving_csv(const char *path, const cJSON *scenes)
 {
-    static const char *const columns[] = { "frames", "follow_ms", "update_ms", "anew_ms",
-        "times_cheaper", "update_times_cheaper", "kept_rays", "kept_lights", "difference",
-        "worst_mean_difference", "lag_1", "lag_2", "lag_4" };
+    static const char *const columns[] = { "frames", "follow_ms", "parts_ms", "update_ms",
+        "anew_ms", "times_cheaper", "update_times_cheaper", "kept_rays", "kept_lights",
+        "difference", "worst_mean_difference", "lag_1", "lag_2", "lag_4" };
     return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
 }

@@ -132,6 +132,8 @@ static const cli_motion known_motions[] = {
     { .scene = "turning-mirror", .object = "mirror", .turns = { 0, 0.7f } },
     { .scene = "lamp-shade", .object = "shade", .shift = { 0, -0.35f, 0 } },
     { .scene = "falling-boxes", .object = "box", .fall = 2 },
+    // from bench/part_of_scene.py; half a metre in each of 6 frames
+    { .scene = "chair.glb", .object = "chair", .shift = { 0, 0, 2.5f } },
     // a bin
     { .scene = "japanese_classroom.glb", .object = "Mesh047", .shift = { -0.5f, 0, 0 } },
 };

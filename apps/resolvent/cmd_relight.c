@@ -48,7 +48,7 @@ static const char help[] =
     "  --frames A-B       render these frames of the animations of the glTF file that was solved; frame 0\n"
     "                     is at 0 s. -o walk-%04d.png numbers the files. The light follows what moves, from\n"
     "                     the changes above. Requires an OPERATOR solved without --time\n"
-    "  --fps N            frames per second (default 24)\n"
+    "  --fps N            frames per second (default 24)\n" CLI_SHUTTER_HELP
     "  --clip NAME        the animation to play; all = all at once (default: the first)\n"
     "  --object FILE      with --mode operator: a rigid object that is lit and shown but not solved for; a\n"
     "                     script moves it, in metres from its position in its file (docs/view.md)\n"
@@ -104,6 +104,8 @@ typedef struct stage {
     bool prepared;      ///< only strengths change, and the light of each source alone is known
     rsv_update_report updates;   ///< of all frames that follow an animation
     const rsv_camera *viewpoint; ///< in the frame in hand; NULL = the camera as solved
+    uint32_t moment;             ///< of the frame in hand
+    rsv_image *exposed;          ///< that frame's picture, if it is there already; NULL = it is not
     double relight_rays;
     double time_relight, time_render;
     float exposure; ///< of .png: one for all frames
@@ -364,7 +366,7 @@ static rsv_render_desc describe_picture(const settings *s, const stage *on)
     desc.width = size.width;
     desc.height = size.height;
     desc.samples = s->samples;
-    desc.seed = s->seed;
+    desc.seed = s->seed + on->moment;
     return desc;
 }
 
@@ -393,7 +395,12 @@ static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
             status = rsv_light_save(solution, on->scene_name, path);
             continue;
         }
-        if (!image) status = render(s, on, &image);
+        if (!image && on->exposed) {
+            image = on->exposed;
+            on->exposed = NULL;
+        } else if (!image) {
+            status = render(s, on, &image);
+        }
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
         if (status == RSV_OK) status = rsv_image_write(image, path, on->exposure);
     }
@@ -580,29 +587,55 @@ typedef struct sequence_run {
     stage *on;
 } sequence_run;
 
+/// Renders the moment in hand, and adds it to its frame.
+static rsv_status expose(const settings *s, stage *on)
+{
+    double started = cli_seconds();
+    rsv_image *image = NULL;
+    rsv_status status = render(s, on, &image);
+    if (status == RSV_OK) cli_add_moment(&s->sequence, image, &on->exposed);
+    on->time_render += cli_seconds() - started;
+    return status;
+}
+
+/// Takes the light to a moment of a frame. @param own whether this process renders the frame
+static bool run_moment(const sequence_run *run, uint32_t frame, uint32_t moment, bool own)
+{
+    settings *s = run->s;
+    stage *on = run->on;
+    rsv_scene *scene = NULL;
+    run->session->moment = (cli_moment){ cli_frame_time(&s->sequence, frame, moment), s->clip };
+    if (!cli_load_moment(run->session, s->scene, &scene)) return false;
+    double started = cli_seconds();
+    bool finished = s->mode == RSV_RENDER_OPERATOR;
+    rsv_status status = cli_follow_frame(on->subject.solution, scene, finished, &on->updates);
+    on->time_relight += cli_seconds() - started;
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    if (on->camera < view->camera_count) on->viewpoint = &view->camera[on->camera];
+    on->moment = moment;
+    if (status == RSV_OK && own) status = expose(s, on);
+    if (status != RSV_OK) cli_report_failure(run->session, status);
+    on->viewpoint = NULL;
+    rsv_scene_destroy(scene);
+    return status == RSV_OK;
+}
+
 /// Each process follows all frames, so that they are the same for any number, and renders those that are its own.
 static bool run_sequence_frame(void *user, uint32_t frame)
 {
     const sequence_run *run = user;
     settings *s = run->s;
     stage *on = run->on;
-    rsv_scene *scene = NULL;
     if (cli_crew_alarmed()) return true;
-    run->session->moment = (cli_moment){ cli_frame_time(&s->sequence, frame), s->clip };
-    if (!cli_load_moment(run->session, s->scene, &scene)) return false;
-    double started = cli_seconds();
-    bool finished = s->mode == RSV_RENDER_OPERATOR;
-    bool own = (s->sequence.last - frame) % cli_crew_size() == cli_crew_rank();
-    rsv_status status = cli_follow_frame(on->subject.solution, scene, finished, &on->updates);
-    on->time_relight += cli_seconds() - started;
-    const rsv_scene_view *view = rsv_scene_get_view(scene);
-    if (on->camera < view->camera_count) on->viewpoint = &view->camera[on->camera];
-    if (status == RSV_OK && own) status = write_outputs(s, on, frame);
+    bool own = (s->sequence.last - frame) % cli_crew_size() == cli_crew_rank(), good = true;
+    for (uint32_t k = 0; k < cli_moments_of_frame(&s->sequence) && good; k++)
+        good = run_moment(run, frame, k, own);
+    rsv_status status = good && own ? write_outputs(s, on, frame) : RSV_OK;
     if (status != RSV_OK) cli_report_failure(run->session, status);
-    on->viewpoint = NULL;
+    rsv_image_destroy(on->exposed);
+    on->exposed = NULL;
     on->frame_count += own;
-    rsv_scene_destroy(scene);
-    return status == RSV_OK;
+    return good && status == RSV_OK;
 }
 
 static bool run_sequence(cli_session *session, settings *s, stage *on)

@@ -52,6 +52,10 @@ static const char help[] =
     "                     fisheye: the half space ahead, in a circle\n"
     "  --goal             refine the surfaces that this camera sees, directly or through reflected light\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
+    "  --denoise          final: remove noise with a filter that keeps edges and textures but may blur\n"
+    "                     faint detail. Default for .png alone, with --quality draft or without options\n"
+    "                     for quality\n"
+    "  --no-denoise       keep the noise\n"
     "  --gloss KIND       operator: reflections in rough surfaces by paths (default; unbiased), or reused\n"
     "                     among neighbours, as in `view` (fast, slightly biased)\n"
     "  --layers           .exr: one more layer for each order of light: emission, direct, bounce1, ...\n"
@@ -111,7 +115,7 @@ typedef struct settings {
     float shift[2];     ///< of the film, in widths and heights
     int projection;
     float noise; ///< below 0 = by mode and quality
-    bool layers, goal, photometric, certificate;
+    bool layers, goal, photometric, certificate, denoise, no_denoise;
     bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
 
@@ -120,6 +124,18 @@ static bool is_planned(const settings *s)
 {
     return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
            !s->gather_rays && !s->goal;
+}
+
+/// Whether the picture is to be looked at, and no option asks for exact values: it is filtered then.
+static bool is_first_look(const settings *s)
+{
+    for (size_t k = 0; k < s->outputs.count; k++)
+        if (!cli_ends_in(s->outputs.item[k], ".png")) return false;
+    bool by_default = s->planned && s->target.share == 0 && s->target.max_seconds == 0;
+    bool is_draft = s->solve.quality == RSV_QUALITY_DRAFT && !s->samples && s->noise < 0 &&
+                    !s->gather_rays && s->target.share == 0;
+    return s->mode == RSV_RENDER_FINAL && (by_default || is_draft) && !s->no_denoise &&
+           !s->layers && !s->sequence.frames;
 }
 
 /// Refuses options that exclude each other.
@@ -152,6 +168,17 @@ static bool check_units(const settings *s, int *exit_status)
                                           "cd/m2"
                                         : "--photometric is not supported by the occlusion modes, "
                                           "which compute no light");
+    return false;
+}
+
+static bool check_denoise(const settings *s, int *exit_status)
+{
+    const char *wrong = s->no_denoise                 ? "--no-denoise"
+                        : s->mode != RSV_RENDER_FINAL ? "modes other than final"
+                        : s->layers                   ? "--layers"
+                                                      : NULL;
+    if (!s->denoise || !wrong) return true;
+    *exit_status = cli_usage_error("render", "--denoise and %s exclude each other", wrong);
     return false;
 }
 
@@ -197,6 +224,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 1e9 },
         { .name = "--gloss", .kind = CLI_CHOICE, .value = &s->gloss, .choices = gloss_names },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
+        { .name = "--denoise", .kind = CLI_FLAG, .value = &s->denoise },
+        { .name = "--no-denoise", .kind = CLI_FLAG, .value = &s->no_denoise },
         CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--photometric", .kind = CLI_FLAG, .value = &s->photometric },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
@@ -226,7 +255,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         return false;
     }
     return check_sequence(s, exit_status) && check_units(s, exit_status) &&
-           settle_plan(s, exit_status);
+           check_denoise(s, exit_status) && settle_plan(s, exit_status);
 }
 
 /// Whether the picture is one of a solution.
@@ -358,6 +387,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
+    desc->denoise = s->denoise || is_first_look(s);
     desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
         .f_number = s->fstop,
         .focus_distance = s->focus,
@@ -373,6 +403,7 @@ static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
     bool sums = picture->mode == RSV_RENDER_OPERATOR && !picture->layers;
     size_t bytes = s->planned || picture->noise > 0 || sums ? 46 : 25;
     if (picture->layers) bytes += 120;
+    if (picture->denoise) bytes += s->planned ? 400 : 280;
     return picture->width * (size_t)picture->height * bytes;
 }
 
@@ -445,7 +476,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     if (solution) stats->report = rsv_light_report(solution);
-    stats->certificate = certificate->samples ? certificate : NULL;
+    stats->certificate = certificate && certificate->samples ? certificate : NULL;
     if (solution) stats->order_count = rsv_light_order_count(solution);
     return cli_write_stats(s->stats, session, stats);
 }
@@ -593,33 +624,54 @@ static void close_frame(const reel *r, cli_subject *subject)
     cli_close_subject(subject);
 }
 
-static bool run_frame(void *user, uint32_t frame)
+/// The figures of a frame: the last moment's, and the time of all.
+static void note_picture(
+    reel *r, const cli_subject *subject, const rsv_render_desc *desc, const cli_stats *stats)
 {
-    reel *r = user;
+    r->stats.time_render += stats->time_render;
+    r->stats.standard_error = stats->standard_error;
+    r->stats.width = desc->width;
+    r->stats.height = desc->height;
+    r->stats.samples = desc->samples * cli_moments_of_frame(&r->s->sequence);
+    r->stats.order_count = subject->solution ? rsv_light_order_count(subject->solution) : 0;
+}
+
+/// Solves and renders one moment. @param image out; to be destroyed
+static bool run_moment(reel *r, uint32_t frame, uint32_t moment, rsv_image **image)
+{
+    const settings *s = r->s;
     cli_subject subject = { 0 };
-    rsv_image *image = NULL;
     rsv_render_desc desc;
     cli_stats stats = { .standard_error = NAN };
-    const settings *s = r->s;
-    r->session->moment.time = cli_frame_time(&s->sequence, frame);
+    r->session->moment.time = cli_frame_time(&s->sequence, frame, moment);
     subject.scene = cli_open_scene(r->session, s->scene, &s->environment);
     bool good = subject.scene && describe_picture(s, subject.scene, &desc);
     rsv_status status = good && is_solved(s) ? find_light(r, &subject, &desc) : RSV_OK;
     if (good && r->light) // its cameras are those of the first frame
         desc.viewpoint = &rsv_scene_get_view(subject.scene)->camera[desc.camera];
-    if (good && status == RSV_OK) status = render(s, &desc, &subject, &image, &stats);
-    if (good && status == RSV_OK && frame == s->sequence.first)
-        r->exposure = choose_exposure(r->session, s, image);
-    if (good && status == RSV_OK) status = write_pictures(r->session, s, frame, image, r->exposure);
+    if (good) desc.seed += moment;
+    if (good && status == RSV_OK) status = render(s, &desc, &subject, image, &stats);
     if (status != RSV_OK) cli_report_failure(r->session, status);
-    r->stats.time_render += stats.time_render;
-    r->stats.standard_error = stats.standard_error;
-    r->stats.width = good ? desc.width : 0;
-    r->stats.height = good ? desc.height : 0;
-    r->stats.samples = good ? desc.samples : 0;
-    r->stats.order_count = subject.solution ? rsv_light_order_count(subject.solution) : 0;
-    rsv_image_destroy(image);
+    if (good) note_picture(r, &subject, &desc, &stats);
     close_frame(r, &subject);
+    return good && status == RSV_OK;
+}
+
+static bool run_frame(void *user, uint32_t frame)
+{
+    reel *r = user;
+    const settings *s = r->s;
+    rsv_image *mean = NULL;
+    bool good = true;
+    for (uint32_t k = 0; k < cli_moments_of_frame(&s->sequence) && good; k++) {
+        rsv_image *image = NULL;
+        good = run_moment(r, frame, k, &image);
+        if (good) cli_add_moment(&s->sequence, image, &mean);
+    }
+    if (good && frame == s->sequence.first) r->exposure = choose_exposure(r->session, s, mean);
+    rsv_status status = good ? write_pictures(r->session, s, frame, mean, r->exposure) : RSV_OK;
+    if (status != RSV_OK) cli_report_failure(r->session, status);
+    rsv_image_destroy(mean);
     return good && status == RSV_OK;
 }
 
@@ -665,6 +717,8 @@ static int run(cli_session *session, settings *s)
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
+    if (desc.denoise && !s->denoise)
+        cli_note(session, "noise will be filtered out of the picture; --no-denoise keeps it");
 
     rsv_status status = RSV_OK;
     if (s->planned)

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { most_frames = 1000000 };
+enum { SHUTTER_MOMENTS = 8 };
 
 /// Parses a frame number of digits only. @param end out: the text after it
 static bool read_frame(const char *text, uint32_t *frame, const char **end)
@@ -32,9 +33,15 @@ bool cli_read_sequence(const char *command, cli_sequence *s)
     return false;
 }
 
-float cli_frame_time(const cli_sequence *s, uint32_t frame)
+uint32_t cli_moments_of_frame(const cli_sequence *s)
 {
-    return (float)((double)frame / (double)s->fps);
+    return s->shutter > 0 ? SHUTTER_MOMENTS : 1;
+}
+
+float cli_frame_time(const cli_sequence *s, uint32_t frame, uint32_t moment)
+{
+    double open = s->shutter > 0 ? (double)s->shutter * (moment + 0.5) / SHUTTER_MOMENTS : 0;
+    return (float)((frame + open) / (double)s->fps);
 }
 
 /// Prints which clip is played, if there are several and none was chosen.

@@ -4,6 +4,7 @@
 
 #include "moment.h"
 
+#include "resolvent/image.h"
 #include "resolvent/update.h"
 
 #include <cJSON.h>
@@ -17,6 +18,9 @@ void cli_write_updates(cJSON *stats, const rsv_update_report *sum);
 /// @param sum this update is added
 rsv_status cli_follow_frame(
     rsv_light *light, const rsv_scene *scene, bool finished, rsv_update_report *sum);
+
+/// Adds the picture of one of a frame's moments to their mean. @param image taken over @param mean NULL at first
+void cli_add_moment(const cli_sequence *sequence, rsv_image *image, rsv_image **mean);
 
 /// Runs the frames in their order, and shows progress. @return false as soon as one fails
 bool cli_run_frames(cli_session *session, const cli_sequence *sequence,

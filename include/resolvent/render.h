@@ -49,6 +49,10 @@ typedef struct rsv_render_desc {
     bool shared_pattern;
     bool layers; ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
     uint32_t seed;
+    /// rsv_render and rsv_render_planned: remove noise with a filter that keeps edges, textures and all detail that
+    /// exceeds the noise found around it. Fainter detail is blurred: a bias, in exchange for noise. `samples` are
+    /// rounded up to an even number. Not with `layers` or `shared_pattern`. Default: false
+    bool denoise;
 } rsv_render_desc;
 
 /// Writes defaults to a descriptor of `size` bytes. Usually called through rsv_default_render_desc().

@@ -161,16 +161,30 @@ uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *
     return other->cell[found].level == cell->level ? found : RSV_NONE;
 }
 
+static bool is_same_cell(const rsv_cell *a, const rsv_cell *b)
+{
+    return a->face == b->face && a->i == b->i && a->j == b->j && a->level == b->level &&
+           a->flipped == b->flipped;
+}
+
+/// Whether a corner of a cell at a node of other elements is the one given. Looking at all of these few takes less than
+/// looking for the cell.
+static bool has_corner(const rsv_elements *e, uint32_t node, const rsv_cell *cell, uint32_t corner)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if ((e->support[s] & 3) == corner && is_same_cell(&e->cell[e->support[s] / 4], cell))
+            return true;
+    return false;
+}
+
 /// Whether the cells around a node are those around a node of other elements, corner by corner.
 static bool has_same_cells(
     const rsv_elements *e, uint32_t node, const rsv_elements *other, uint32_t twin)
 {
     uint32_t begin = e->support_begin[node], end = e->support_begin[node + 1];
     if (other->support_begin[twin + 1] - other->support_begin[twin] != end - begin) return false;
-    for (uint32_t s = begin; s < end; s++) {
-        uint32_t same = rsv_elements_find_same_cell(other, &e->cell[e->support[s] / 4]);
-        if (same == RSV_NONE || !is_own_corner(other, twin, same, e->support[s] & 3)) return false;
-    }
+    for (uint32_t s = begin; s < end; s++)
+        if (!has_corner(other, twin, &e->cell[e->support[s] / 4], e->support[s] & 3)) return false;
     return true;
 }
 

@@ -727,11 +727,10 @@ rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
         status = isfinite(settings.max_seconds) ? rsv_planner_run_until(&p, settings.max_seconds)
                                                 : run_to_error(&p);
     rsv_picture_series_destroy(p.series);
+    if (status == RSV_OK) status = rsv_sample_sum_finish(p.context, &p.sum, image);
     if (status == RSV_OK) {
         p.plan.samples = p.sum.samples;
         if (plan) *plan = p.plan;
-        *image = p.sum.mean;
-        p.sum.mean = NULL;
         *light = p.light;
     } else if (!p.is_given) {
         rsv_light_destroy(p.light);

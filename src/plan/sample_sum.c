@@ -2,6 +2,7 @@
 
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../render/picture_filter.h"
 #include "pixel_error.h"
 
 #include <math.h>
@@ -18,24 +19,36 @@ static void mix(rsv_image *mean, const rsv_image *pass, float share)
     }
 }
 
-/// A copy of the first layer.
-static rsv_status keep_half(rsv_context *context, rsv_image **half, const rsv_image *pass)
+/// A copy of the first layers.
+static rsv_status copy_layers(
+    rsv_context *context, const rsv_image *image, uint32_t count, rsv_image **copy)
 {
-    uint32_t width = rsv_image_width(pass), height = rsv_image_height(pass);
-    rsv_status status = rsv_image_create(context, width, height, 1, half);
-    if (status != RSV_OK) return status;
-    const rsv_rgb *from = rsv_image_const_pixels(pass, 0);
-    rsv_rgb *to = rsv_image_pixels(*half, 0);
-    for (size_t k = 0; k < (size_t)width * height; k++)
-        to[k] = from[k];
-    return RSV_OK;
+    uint32_t width = rsv_image_width(image), height = rsv_image_height(image);
+    rsv_status status = rsv_image_create(context, width, height, count, copy);
+    for (uint32_t layer = 0; layer < count && status == RSV_OK; layer++) {
+        const rsv_rgb *from = rsv_image_const_pixels(image, layer);
+        rsv_rgb *to = rsv_image_pixels(*copy, layer);
+        for (size_t k = 0; k < (size_t)width * height; k++)
+            to[k] = from[k];
+    }
+    return status;
+}
+
+/// One of the first two passes.
+static rsv_status keep_half(
+    rsv_context *context, rsv_sample_sum *sum, uint32_t index, const rsv_image *pass)
+{
+    rsv_status status = copy_layers(context, pass, 1, &sum->half[index]);
+    if (status == RSV_OK && rsv_has_guides(pass))
+        status = copy_layers(context, pass, rsv_image_layer_count(pass), &sum->side[index]);
+    return status;
 }
 
 rsv_status rsv_sample_sum_add(
     rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass)
 {
     rsv_status status = RSV_OK;
-    if (!sum->half[1]) status = keep_half(context, &sum->half[sum->half[0] ? 1 : 0], pass);
+    if (!sum->half[1]) status = keep_half(context, sum, sum->half[0] ? 1 : 0, pass);
     sum->samples += samples;
     if (!sum->mean) {
         sum->mean = pass;
@@ -45,6 +58,20 @@ rsv_status rsv_sample_sum_add(
     mix(sum->mean, pass, (float)samples / (float)sum->samples);
     rsv_image_destroy(pass);
     return status;
+}
+
+/// The same for both sides.
+static rsv_status part_sides(rsv_context *context, rsv_sample_sum *sum, size_t pixels)
+{
+    for (int half = 0; half < 2; half++) {
+        if (!sum->side[half]) continue;
+        uint32_t *samples = rsv_alloc(context, pixels, sizeof *samples);
+        if (!samples) return RSV_ERROR_MEMORY;
+        for (size_t k = 0; k < pixels; k++)
+            samples[k] = sum->half_samples;
+        sum->side_samples[half] = samples;
+    }
+    return RSV_OK;
 }
 
 rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double fall)
@@ -61,7 +88,7 @@ rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double
         sum->pixel[k] = (rsv_summed_pixel){ sum->samples, 2 * sum->half_samples,
             (float)(0.5 * square[k] / of_half), (float)(0.5 * of_half * pow(more, -fall)) };
     rsv_free(context, square);
-    return status;
+    return status == RSV_OK ? part_sides(context, sum, pixels) : status;
 }
 
 double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewed, double fall)
@@ -105,6 +132,20 @@ static void mix_uneven(rsv_image *mean, const rsv_uneven_pair *uneven, int half,
         before[k] += rsv_uneven_half(uneven->count[k], half);
 }
 
+/// Both passes, each to its side.
+static void add_to_sides(
+    rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *const pass[2])
+{
+    size_t pixels = (size_t)rsv_image_width(pass[0]) * rsv_image_height(pass[0]);
+    for (int half = 0; half < 2; half++) {
+        uint32_t *samples = sum->side_samples[half];
+        if (!samples) continue;
+        for (size_t k = 0; k < pixels; k++)
+            if (uneven->renewed[k] > 0) samples[k] = 0;
+        mix_uneven(sum->side[half], uneven, half, pass[half], samples);
+    }
+}
+
 static void add_pair(rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2],
     float *square, uint32_t *before)
 {
@@ -115,6 +156,7 @@ static void add_pair(rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_ima
         before[k] = uneven->renewed[k] > 0 ? 0 : sum->pixel[k].taken;
     for (int half = 0; half < 2; half++)
         mix_uneven(sum->mean, uneven, half, pass[half], before);
+    add_to_sides(sum, uneven, pass);
     for (size_t k = 0; k < pixels; k++) {
         uint32_t count = uneven->count[k];
         if (count)
@@ -139,6 +181,15 @@ rsv_status rsv_sample_sum_add_uneven(
     return status;
 }
 
+rsv_status rsv_sample_sum_finish(rsv_context *context, rsv_sample_sum *sum, rsv_image **image)
+{
+    if (sum->side[0] && sum->side[1]) return rsv_picture_filter(context, sum->side, image);
+    if (rsv_has_guides(sum->mean)) return copy_layers(context, sum->mean, 1, image);
+    *image = sum->mean;
+    sum->mean = NULL;
+    return RSV_OK;
+}
+
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
@@ -158,6 +209,10 @@ uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t 
 void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
 {
     rsv_free(context, sum->pixel);
+    for (int k = 0; k < 2; k++) {
+        rsv_free(context, sum->side_samples[k]);
+        rsv_image_destroy(sum->side[k]);
+    }
     rsv_free(context, sum->is_outline);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);

@@ -14,9 +14,11 @@ typedef struct rsv_summed_pixel {
 
 /// Passes come in pairs of equally many samples: their difference gives the noise.
 typedef struct rsv_sample_sum {
-    rsv_image *mean; ///< weighted by samples; NULL = no pass yet
-    rsv_image *half[2];
-    rsv_summed_pixel *pixel; ///< [height * width]; NULL = equally many samples in all
+    rsv_image *mean;    ///< weighted by samples; NULL = no pass yet
+    rsv_image *half[2]; ///< the first two passes
+    rsv_image *side[2]; ///< sums of every other pass, with guides, if passes have them; NULL = none
+    uint32_t *side_samples[2]; ///< [height * width] of these; NULL = half_samples
+    rsv_summed_pixel *pixel;   ///< [height * width]; NULL = equally many samples in all
     uint8_t
         *is_outline; ///< [height * width] pixels that get at least RSV_OUTLINE_SAMPLES; NULL = none
     uint32_t samples;      ///< of all passes, on average
@@ -65,6 +67,10 @@ double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewe
 /// requested error.
 #define RSV_STRATIFIED_FALL 1.2
 #define RSV_GATHERED_FALL 1.0
+
+/// The picture: filtered, if passes have guides and there are two of them.
+/// @param image out: of the passes' layers, guides left out
+rsv_status rsv_sample_sum_finish(rsv_context *context, rsv_sample_sum *sum, rsv_image **image);
 
 /// Relative MSE by noise of the samples there are, equally many in all pixels. Needs two passes.
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall);

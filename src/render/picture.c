@@ -4,6 +4,7 @@
 #include "../core/team.h"
 #include "../trace/backs.h"
 #include "outlines.h"
+#include "picture_filter.h"
 #include "picture_row.h"
 #include "picture_series.h"
 #include "shot_light.h"
@@ -21,7 +22,7 @@ static rsv_status unite_rows(const rsv_picture_job *job)
 {
     rsv_context *context = job->solution->context;
     size_t width = job->desc->width, height = job->desc->height;
-    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+    for (uint32_t layer = 0; layer < rsv_image_layer_count(job->image); layer++)
         rsv_team_merge(
             context, rsv_image_pixels(job->image, layer), width * sizeof(rsv_rgb), height, 1);
     if (job->noise) rsv_team_merge(context, job->noise, width * sizeof *job->noise, height, 1);
@@ -73,6 +74,20 @@ static rsv_status render_rows(const rsv_picture_job *job)
     return result == RSV_OK ? unite_rows(job) : result;
 }
 
+/// Plans the second pass: of a part, so that all of them together reach the target.
+static void plan_second_pass(rsv_picture_job *job, uint32_t *extra)
+{
+    const rsv_render_desc *desc = job->desc;
+    uint32_t samples = desc->samples / job->parts; // the parts divide them
+    float wanted = desc->noise * sqrtf((float)job->parts);
+    rsv_plan_samples(job->image, job->noise, samples, wanted, extra);
+    job->count = extra;
+    job->before = samples;
+    job->seed = rsv_hash2(desc->seed, 0x2be7u + job->part);
+    job->parts = 1;
+    job->part = 0;
+}
+
 /// Renders all pixels equally, and then the noisy ones again.
 static rsv_status render_passes(rsv_picture_job *job)
 {
@@ -88,14 +103,20 @@ static rsv_status render_passes(rsv_picture_job *job)
     if (!job->noise || !extra) status = RSV_ERROR_MEMORY;
     if (status == RSV_OK) status = render_rows(job);
     if (status == RSV_OK) {
-        rsv_plan_samples(job->image, job->noise, desc->samples, desc->noise, extra);
-        job->count = extra;
-        job->before = desc->samples;
-        job->seed = rsv_hash2(desc->seed, 0x2be7u);
+        plan_second_pass(job, extra);
         status = render_rows(job);
     }
     rsv_free(context, job->noise);
     rsv_free(context, extra);
+    return status;
+}
+
+static rsv_status name_guides(rsv_image *image, uint32_t first)
+{
+    static const char *const names[] = { "diffuse", "albedo", "normal", "place" };
+    rsv_status status = RSV_OK;
+    for (uint32_t guide = 0; guide < RSV_PICTURE_GUIDES && status == RSV_OK; guide++)
+        status = rsv_image_set_layer_name(image, first + guide, names[guide]);
     return status;
 }
 
@@ -135,6 +156,9 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "render: this light keeps no bounces (it followed moved objects, or was changed as a whole), so it has no "
             "layers; solve again for them");
+    if (desc->denoise && (desc->layers || desc->shared_pattern))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: a picture with %s cannot be denoised",
+            desc->layers ? "layers" : "a shared pattern");
     if (desc->mode == RSV_RENDER_REFERENCE)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: use rsv_render_reference for mode reference");
     return rsv_film_check(&desc->film,
@@ -145,6 +169,7 @@ static void begin_job(
     const rsv_light_view *solution, const rsv_render_desc *desc, rsv_picture_job *job)
 {
     *job = (rsv_picture_job){ .solution = solution,
+        .parts = 1,
         .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera] };
     job->film = rsv_film_of(solution->tracer, &desc->film, job->camera, desc->width, desc->height);
     job->spread = rsv_film_spread(&job->film);
@@ -187,6 +212,15 @@ void rsv_picture_series_destroy(rsv_picture_series *s)
     rsv_free(s->job.solution->context, s);
 }
 
+/// Light paths of a part are its own.
+static rsv_status shoot(const rsv_shot_light *shot, const rsv_picture_job *job)
+{
+    rsv_render_desc desc = *job->desc;
+    desc.samples /= job->parts;
+    if (job->part > 0) desc.seed = rsv_hash2(desc.seed, job->part);
+    return rsv_shot_light_add(shot, &desc, job->image);
+}
+
 /// @param job with the number of samples and what is gathered
 static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *desc,
     rsv_picture_job job, rsv_image **image)
@@ -195,11 +229,14 @@ static rsv_status take(const rsv_picture_series *series, const rsv_render_desc *
     if (status != RSV_OK) return status;
     job.desc = desc;
     job.layer_count = desc->layers ? 1 + RSV_PICTURE_LAYERS : 1;
-    RSV_TRY(rsv_image_create(
-        job.solution->context, desc->width, desc->height, job.layer_count, &job.image));
+    job.guides = desc->denoise;
+    uint32_t layers = job.layer_count + (job.guides ? RSV_PICTURE_GUIDES : 0);
+    RSV_TRY(rsv_image_create(job.solution->context, desc->width, desc->height, layers, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
-    RSV_TRY(render_passes(&job));
-    if (series->shot) RSV_TRY(rsv_shot_light_add(series->shot, desc, job.image));
+    if (job.guides) RSV_TRY(name_guides(job.image, job.layer_count));
+    rsv_picture_job passes = job;
+    RSV_TRY(render_passes(&passes));
+    if (series->shot) RSV_TRY(shoot(series->shot, &job));
     *image = job.image;
     job.image = NULL;
 cleanup:
@@ -238,13 +275,34 @@ bool rsv_picture_series_keeps_caustics(const rsv_picture_series *series)
     return in_fog || rsv_has_unseen_caustics(solution);
 }
 
+/// Two halves of the same camera rays, and their filtered mean.
+static rsv_status take_filtered(
+    const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
+{
+    rsv_status status = RSV_OK;
+    rsv_image *half[2] = { NULL, NULL };
+    rsv_render_desc even = *desc;
+    rsv_picture_job job = series->job;
+    even.samples += desc->samples % 2;
+    job.parts = 2;
+    for (job.part = 0; job.part < 2; job.part++)
+        RSV_TRY(take(series, &even, job, &half[job.part]));
+    RSV_TRY(rsv_picture_filter(series->job.solution->context, half, image));
+cleanup:
+    rsv_image_destroy(half[0]);
+    rsv_image_destroy(half[1]);
+    return status;
+}
+
 rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_picture_series *series = NULL;
     rsv_render_desc settings = rsv_default_render_desc();
     rsv_status status = RSV_READ_DESC(rsv_render_desc, &settings, desc);
     if (status == RSV_OK) status = rsv_picture_series_create(light, &settings, &series);
-    if (status == RSV_OK) status = rsv_picture_series_take(series, &settings, NULL, image);
+    if (status == RSV_OK)
+        status = settings.denoise ? take_filtered(series, &settings, image)
+                                  : rsv_picture_series_take(series, &settings, NULL, image);
     rsv_picture_series_destroy(series);
     return status;
 }

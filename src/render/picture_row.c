@@ -17,11 +17,21 @@ static uint32_t samples_of(const rsv_picture_row *r, uint32_t column)
     return job->count ? job->count[(size_t)r->row * job->desc->width + column] : job->desc->samples;
 }
 
-static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance, float squares)
+/// Of these camera rays, those of this part.
+static uint32_t part_of(const rsv_picture_job *job, uint32_t samples)
+{
+    return (samples + job->parts - 1 - job->part) / job->parts;
+}
+
+static void add_direct_light(void *user, uint32_t column, const rsv_pixel_light *light)
 {
     rsv_picture_row *r = user;
-    rsv_picture_add_light(r, column, 1, radiance);
-    rsv_pixel_noise_add_direct(&r->noise[column], rgb_luminance(radiance), squares);
+    rsv_rgb all = rgb_add(light->of_first, light->of_others);
+    r->is_diffuse = true;
+    rsv_picture_add_light(r, column, 1, light->of_first);
+    r->is_diffuse = false;
+    rsv_picture_add_light(r, column, 1, light->of_others);
+    rsv_pixel_noise_add_direct(&r->noise[column], rgb_luminance(all), light->squares);
 }
 
 /// Adds a camera ray to the batch, which has room for it.
@@ -113,6 +123,16 @@ static rsv_ray ray_of_lane(const rsv_ray_packet *p, uint32_t k)
         p->triangle[k] == RSV_NONE ? INFINITY : p->t_max[k] };
 }
 
+/// The first surface, for guides.
+static void note_surface(rsv_picture_row *r, const rsv_specular_path *path, float distance)
+{
+    rsv_surface_point point = rsv_surface_point_seen(r->job->solution->scene.view, path->triangle,
+        path->u, path->v, path->back, rsv_width_of_sample(path->width, r->sample));
+    rsv_rgb *normal = &r->guide[RSV_GUIDE_NORMAL][r->column];
+    *normal = rgb_add(*normal, rgb(point.normal.x, point.normal.y, point.normal.z));
+    r->guide[RSV_GUIDE_PLACE][r->column].r += 1 / f_max(distance, 1e-20f);
+}
+
 /// Shades the ray in lane k of the batch.
 static void shade_ray(rsv_picture_row *r, uint32_t k)
 {
@@ -131,6 +151,7 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
         &job->solution->scene, &job->medium, direction, rsv_packet_hit(packet, k));
     rsv_specular_set_spread(&path, spread_of(r), packet->t_max[k]);
     path.weight = rgb_mul(path.weight, passed);
+    if (job->guides) note_surface(r, &path, packet->t_max[k]);
     rsv_rgb emission =
         rsv_camera_path(&job->setting, path, rsv_hash2(r->sample.seed, r->sample.index),
             job->desc->shared_pattern ? NULL : &r->sample, rsv_picture_shade, r);
@@ -155,17 +176,29 @@ static void trace_batch(rsv_picture_row *r)
     batch->count = 0;
 }
 
-/// Averages a pixel of one layer over its samples; those of a second pass join the first's.
-static void average(const rsv_picture_row *r, uint32_t layer, uint32_t column)
+/// Averages the pixels of one layer over their samples; those of a second pass join the first's.
+/// @param sum [width] over this pass
+static void average(const rsv_picture_row *r, uint32_t layer, const rsv_rgb *sum)
 {
     const rsv_picture_job *job = r->job;
-    rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width + column;
-    uint32_t samples = samples_of(r, column), before = job->before;
-    if (samples == 0) return;
-    rsv_rgb sum = rgb_mad(r->layer[layer][column], (float)before, *out);
-    rsv_rgb mean = rgb_scale(sum, 1 / (float)(before + samples));
-    // the control variate of a nearly black pixel can end a hair below zero
-    *out = rgb_positive(mean);
+    rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width;
+    for (uint32_t column = 0; column < job->desc->width; column++) {
+        uint32_t samples = part_of(job, samples_of(r, column)), before = job->before;
+        if (samples == 0) continue;
+        rsv_rgb both = rgb_mad(sum[column], (float)before, out[column]);
+        out[column] = rgb_scale(both, 1 / (float)(before + samples));
+        // the control variate of a nearly black pixel can end a hair below zero
+        if (layer < job->layer_count) out[column] = rgb_positive(out[column]);
+    }
+}
+
+static void average_all(const rsv_picture_row *r)
+{
+    uint32_t count = r->job->layer_count;
+    for (uint32_t layer = 0; layer < count; layer++)
+        average(r, layer, r->layer[layer]);
+    for (uint32_t guide = 0; r->job->guides && guide < RSV_PICTURE_GUIDES; guide++)
+        average(r, count + guide, r->guide[guide]);
 }
 
 rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t index)
@@ -175,19 +208,19 @@ rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t index)
     r->row = index;
     for (uint32_t layer = 0; layer < job->layer_count; layer++)
         memset(r->layer[layer], 0, width * sizeof(rsv_rgb));
+    for (uint32_t guide = 0; job->guides && guide < RSV_PICTURE_GUIDES; guide++)
+        memset(r->guide[guide], 0, width * sizeof(rsv_rgb));
     memset(r->noise, 0, width * sizeof *r->noise);
     for (uint32_t column = 0; column < width; column++) {
         uint32_t samples = samples_of(r, column);
-        for (uint32_t sample = 0; sample < samples; sample++) {
+        for (uint32_t sample = job->part; sample < samples; sample += job->parts) {
             aim(r, column, sample, samples);
             if (r->batch.count == LANES) trace_batch(r);
         }
     }
     if (r->batch.count) trace_batch(r);
     rsv_status status = rsv_pixel_direct_resolve(&r->direct, r->noise, add_direct_light, r);
-    for (uint32_t layer = 0; layer < job->layer_count; layer++)
-        for (uint32_t column = 0; column < width; column++)
-            average(r, layer, column);
+    average_all(r);
     if (job->noise && !job->count)
         memcpy(job->noise + (size_t)index * width, r->noise, width * sizeof *r->noise);
     return status;
@@ -206,6 +239,10 @@ rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *r
         r->layer[layer] = rsv_alloc(job->solution->context, job->desc->width, sizeof(rsv_rgb));
         if (!r->layer[layer]) return RSV_ERROR_MEMORY;
     }
+    for (uint32_t guide = 0; job->guides && guide < RSV_PICTURE_GUIDES; guide++) {
+        r->guide[guide] = rsv_alloc(job->solution->context, job->desc->width, sizeof(rsv_rgb));
+        if (!r->guide[guide]) return RSV_ERROR_MEMORY;
+    }
     return RSV_OK;
 }
 
@@ -213,6 +250,8 @@ void rsv_picture_row_destroy(rsv_picture_row *r)
 {
     for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
         rsv_free(r->job->solution->context, r->layer[layer]);
+    for (uint32_t guide = 0; guide < RSV_PICTURE_GUIDES; guide++)
+        rsv_free(r->job->solution->context, r->guide[guide]);
     rsv_free(r->job->solution->context, r->noise);
     rsv_pixel_direct_end(&r->direct);
 }

@@ -5,6 +5,7 @@
 #include "../solve/light.h"
 #include "../trace/film.h"
 #include "camera_path.h"
+#include "picture_guides.h"
 #include "pixel_direct.h"
 #include "pixel_noise.h"
 #include "resolvent/render.h"
@@ -20,13 +21,15 @@ typedef struct rsv_picture_job {
     rsv_film film;
     rsv_medium medium; ///< the camera's
     rsv_image *image;
-    uint32_t layer_count; ///< of the image, layer 0 included
+    uint32_t layer_count; ///< of light, layer 0 included; the image has guides behind them
+    bool guides;          ///< whether it has them
     float spread;         ///< of a camera ray: the angle of a pixel
     rsv_sky sky;          ///< beyond the scene
     rsv_camera_setting setting;
     uint32_t seed;          ///< of the pass
     rsv_pixel_noise *noise; ///< [height * width] of the first pass; NULL = not needed
     const uint32_t *count;  ///< [height * width] camera rays of this pass; NULL = desc->samples
+    uint32_t parts, part;   ///< camera rays are dealt out to so many pictures, of which this is one
     uint32_t before;        ///< camera rays per pixel that are in the image already
     bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
     const uint8_t *where;   ///< [height * width] pixels whose light is gathered; NULL = all
@@ -42,6 +45,7 @@ typedef struct rsv_picture_batch {
 typedef struct rsv_picture_row {
     const rsv_picture_job *job;
     rsv_rgb *layer[1 + RSV_PICTURE_LAYERS]; ///< [width] each
+    rsv_rgb *guide[RSV_PICTURE_GUIDES];     ///< [width] each; NULL = none
     rsv_pixel_noise *noise;                 ///< [width] of this row and pass
     rsv_pixel_direct direct;
     rsv_picture_batch batch;
@@ -49,6 +53,7 @@ typedef struct rsv_picture_row {
     // data about the current ray for rsv_camera_path's callback
     uint32_t column;
     rsv_pixel_sample sample;
+    bool is_diffuse; ///< what is added is reflected diffusely by the first surface
 } rsv_picture_row;
 
 /// Whether the pixel in hand gathers indirect light.

@@ -9,6 +9,9 @@
 void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
 {
     r->layer[0][column] = rgb_add(r->layer[0][column], radiance);
+    if (r->is_diffuse && r->job->guides)
+        r->guide[RSV_GUIDE_DIFFUSE][column] =
+            rgb_add(r->guide[RSV_GUIDE_DIFFUSE][column], radiance);
     if (r->job->layer_count > 1)
         r->layer[1 + order][column] = rgb_add(r->layer[1 + order][column], radiance);
 }
@@ -214,16 +217,10 @@ static rsv_rgb stored_direct(const rsv_picture_row *r, uint32_t face, float u, f
     return rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, u, v);
 }
 
-void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight)
+/// @param weight radiance at the camera per irradiance of the surface
+static void shade(rsv_picture_row *r, const rsv_specular_path *path, uint32_t face, rsv_rgb weight)
 {
-    rsv_picture_row *r = user;
     const rsv_light_view *s = r->job->solution;
-    uint32_t face = s->elements->face_of[path->back][path->triangle];
-    if (face == RSV_NONE) return;
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
-    // radiance at the camera per irradiance of the surface
-    weight = rgb_scale(rgb_mul(weight, bsdf->base_color), 1 / RSV_PI);
     if (rsv_is_translucent(s, face)) {
         shade_translucent(r, path, face, weight);
         return;
@@ -236,4 +233,22 @@ void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight
         gather_indirect(r, path, weight);
     else
         look_up_indirect(r, face, path->u, path->v, weight);
+}
+
+void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight)
+{
+    rsv_picture_row *r = user;
+    const rsv_light_view *s = r->job->solution;
+    uint32_t face = s->elements->face_of[path->back][path->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
+    weight = rgb_mul(weight, bsdf->base_color);
+    r->is_diffuse = path->events == 0;
+    if (r->is_diffuse && r->job->guides) {
+        rsv_rgb *albedo = &r->guide[RSV_GUIDE_ALBEDO][r->column];
+        *albedo = rgb_add(*albedo, weight);
+    }
+    shade(r, path, face, rgb_scale(weight, 1 / RSV_PI));
+    r->is_diffuse = false;
 }

@@ -131,25 +131,26 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, con
     rsv_local_lights local;
     rsv_receiver_weigh(&lit->receiver, d->solution->lights, &local);
     if (rsv_local_lights_are_dark(&local)) return;
-    rsv_direct_term term = {
-        .column = column, .sample = sample.index, .exact = rgb_mul(weight, local.unshadowed)
-    };
+    rsv_direct_term term = { .column = column,
+        .sample = sample.index,
+        .of_first = path->events == 0,
+        .exact = rgb_mul(weight, local.unshadowed) };
     term.expected = rgb_luminance(term.exact) + rgb_luminance(weight) * local.tree_estimate;
     if (!push_term(d, term)) return;
     push_spot(d, path, weight, sample);
     aim(d, d->term_count - 1, &local, lit, within_half(sample));
 }
 
+/// @param like a term without light
 static void add_punctual(
-    rsv_pixel_direct *d, const lit_point *lit, uint32_t column, rsv_pixel_sample sample)
+    rsv_pixel_direct *d, const lit_point *lit, rsv_pixel_sample sample, const rsv_direct_term *like)
 {
     const rsv_lights *lights = d->solution->lights;
     float u = rsv_pixel_sample_1d(sample, 5);
     for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
         rsv_next_event event;
         rsv_next_event_punctual(&lit->receiver, &lit->entrance, lights, k, u, &event);
-        rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
-        if (rsv_next_event_asks(&event) && push_term(d, term))
+        if (rsv_next_event_asks(&event) && push_term(d, *like))
             push_event(d, d->term_count - 1, &event);
     }
 }
@@ -168,8 +169,11 @@ void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_specular_path *path, rs
 {
     lit_point lit;
     set_up_seen(d->solution, path, sample, weight, &lit);
+    const rsv_direct_term like = {
+        .column = column, .sample = sample.index, .of_first = path->events == 0, .rays = 1
+    };
     if (rsv_lights_any_sampled(d->solution->lights)) add_emitters(d, path, &lit, column, sample);
-    add_punctual(d, &lit, column, sample);
+    add_punctual(d, &lit, sample, &like);
 }
 
 // ---- penumbrae ----------------------------------------------------------------------------------
@@ -270,10 +274,10 @@ static float share_seen(const direct_half *other, const rsv_shadow_tally *around
     return asked > 0 ? (OWN_WORTH * other->seen + around->seen) / asked : -1;
 }
 
-static rsv_rgb resolve_pixel(
-    const rsv_direct_term *term, size_t count, const rsv_shadow_tally *around, float *squares)
+static rsv_pixel_light resolve_pixel(
+    const rsv_direct_term *term, size_t count, const rsv_shadow_tally *around)
 {
-    rsv_rgb sum = rgb_gray(0);
+    rsv_pixel_light sum = { .squares = 0 };
     direct_half half[2] = { { 0 }, { 0 } };
     float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
@@ -281,17 +285,17 @@ static rsv_rgb resolve_pixel(
         half[half_of(term[i].sample)].asked += term[i].asked;
     }
     const float seen[2] = { share_seen(&half[1], around), share_seen(&half[0], around) };
-    *squares = 0;
     for (size_t i = 0; i < count; i++) {
         float share = 1 / (float)term[i].rays, visible = seen[half_of(term[i].sample)];
         rsv_rgb light = rgb_scale(term[i].arrived, share);
         if (visible >= 0)
             light =
                 rgb_mad(light, visible, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
-        sum = rgb_add(sum, light);
+        rsv_rgb *part = term[i].of_first ? &sum.of_first : &sum.of_others;
+        *part = rgb_add(*part, light);
         of_sample += rgb_luminance(light);
         if (i + 1 < count && term[i + 1].sample == term[i].sample) continue;
-        *squares += of_sample * of_sample;
+        sum.squares += of_sample * of_sample;
         of_sample = 0;
     }
     return sum;
@@ -306,10 +310,9 @@ rsv_status rsv_pixel_direct_resolve(
         uint32_t column = d->term[begin].column;
         for (end = begin; end < d->term_count && d->term[end].column == column; end++)
             ;
-        float squares;
         rsv_shadow_tally around = look_around(d, noise, column, NULL);
-        rsv_rgb light = resolve_pixel(d->term + begin, end - begin, &around, &squares);
-        add(user, column, light, squares);
+        rsv_pixel_light light = resolve_pixel(d->term + begin, end - begin, &around);
+        add(user, column, &light);
     }
     d->term_count = d->spot_count = 0;
     return d->status;

@@ -26,12 +26,14 @@
 /// Result of one sample's shadow rays to one source or, chosen among them, to all emitters.
 typedef struct rsv_direct_term {
     uint32_t column, sample;
+    bool of_first;        ///< at the first surface that the camera ray has come to
     uint32_t rays, asked; ///< drawn; of these, to sources in A that are above the horizon
-    float seen, veiled;   ///< of those: sum of transmittances, and of transmittance times its complement
-    float expected;       ///< luminance without occlusion, emitters in a tree by a rough estimate
-    rsv_rgb exact;        ///< A times the weight of the camera path, like the following
-    rsv_rgb arrived;      ///< sum of S V over the rays
-    rsv_rgb control;      ///< sum of C over the rays
+    float seen,
+        veiled;      ///< of those: sum of transmittances, and of transmittance times its complement
+    float expected;  ///< luminance without occlusion, emitters in a tree by a rough estimate
+    rsv_rgb exact;   ///< A times the weight of the camera path, like the following
+    rsv_rgb arrived; ///< sum of S V over the rays
+    rsv_rgb control; ///< sum of C over the rays
 } rsv_direct_term;
 
 /// A surface that may want further shadow rays.
@@ -75,8 +77,14 @@ void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_specular_path *path, rsv_rgb weight,
     uint32_t column, rsv_pixel_sample sample);
 
-/// Called for each pixel with the sum over its samples, and the sum of the squares of their luminance.
-typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radiance, float squares);
+/// Direct light of a pixel.
+typedef struct rsv_pixel_light {
+    rsv_rgb of_first,
+        of_others; ///< sums over samples, by the first surface and by those behind mirrors and glass
+    float squares; ///< sum of the squares of the luminance of both
+} rsv_pixel_light;
+
+typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, const rsv_pixel_light *light);
 
 /// Sends further shadow rays, hands each pixel's light to `add` and starts over.
 /// @param noise [width] of all light but the direct

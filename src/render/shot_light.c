@@ -118,7 +118,7 @@ static void add_light_path(void *user, size_t slot, const rsv_specular_path *end
 
 static void collect_slot(const shot_job *job, splat_list *list)
 {
-    uint32_t layers = rsv_image_layer_count(job->image) > 1 ? 2 : 1;
+    uint32_t layers = job->desc->layers ? 2 : 1;
     for (uint32_t layer = 0; layer < layers; layer++) {
         rsv_rgb *out = rsv_image_pixels(job->image, layer);
         for (size_t k = 0; k < list->count; k++)

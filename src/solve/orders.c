@@ -298,16 +298,21 @@ cleanup:
 }
 
 /// If little is absorbed, irradiance grows so far beyond its source that the target residual is below rounding. Raises
-/// the target accordingly. Orders beyond the present term are assumed to fall by the spectral radius.
-static void keep_target_in_reach(series *q, const rsv_rgb *term)
+/// the target accordingly. @param rest what irradiance can still grow by, W/m2
+static void keep_target_in_reach(series *q, double rest)
 {
     const rsv_light *s = q->s;
-    size_t nodes = s->elements->node_count;
-    double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS), most = 0;
-    for (size_t n = 0; n < nodes; n++)
+    double most = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++)
         most = fmax(most, (double)rgb_max(rgb_add(s->field.source[n], s->field.indirect[n])));
-    most += radius / (1 - radius) * largest(term, nodes);
-    q->target = fmax(q->target, ROUNDING * most);
+    q->target = fmax(q->target, ROUNDING * (most + rest));
+}
+
+/// The sum of the orders beyond a term, if they fall by the spectral radius.
+static double size_of_rest(const rsv_light *s, const rsv_rgb *term)
+{
+    double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS);
+    return radius / (1 - radius) * largest(term, s->elements->node_count);
 }
 
 /// Chooses the solver of all orders beyond those kept one by one.
@@ -377,7 +382,7 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
             break;
         }
         if (order == RSV_KEPT_ORDERS - 2) {
-            keep_target_in_reach(q, q->term);
+            keep_target_in_reach(q, size_of_rest(s, q->term));
             choose_solver(q, size);
         }
         if (order == RSV_KEPT_ORDERS - 2 && report->solver != RSV_SOLVER_NEUMANN &&
@@ -506,10 +511,14 @@ static double resolvent_of(const rsv_solve_report *report)
     return 1 / (1 - fmin(fmax(report->spectral_radius, 0), RSV_LOSSLESS));
 }
 
-static rsv_solver solver_to_go_on(const rsv_light *s)
+/// Where few orders are wanted, the series: each adds the light that arrives next. Otherwise GMRES, which takes half as
+/// many applications (docs/benchmarks/solver.md) and needs no setup.
+static rsv_solver solver_to_go_on(const rsv_light *s, uint32_t max_orders)
 {
     if (s->desc.solver != RSV_SOLVER_AUTO) return s->desc.solver;
-    return s->report.solver == RSV_SOLVER_AUTO ? RSV_SOLVER_NEUMANN : s->report.solver;
+    if (s->report.solver != RSV_SOLVER_AUTO && s->report.solver != RSV_SOLVER_NEUMANN)
+        return s->report.solver;
+    return max_orders < s->desc.max_orders ? RSV_SOLVER_NEUMANN : RSV_SOLVER_GMRES;
 }
 
 /// @param guess [node_count] E of before in, E out
@@ -523,9 +532,9 @@ static rsv_status solve_from(series *q, rsv_rgb *guess, uint32_t max_orders)
     memcpy(q->term, s->field.source, nodes * sizeof *q->term);
     rsv_transport_map_mask(q->map, 1, q->term);
     rsv_transport_map_mask(q->map, 1, guess);
-    const rsv_linear_desc desc = {
-        .solver = solver_to_go_on(s), .absolute = q->target, .max_applications = max_orders
-    };
+    const rsv_linear_desc desc = { .solver = solver_to_go_on(s, max_orders),
+        .absolute = q->target,
+        .max_applications = max_orders };
     RSV_TRY(rsv_transport_map_prepare(q->map, desc.solver));
     RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &guess->r, &linear));
     report->iterations = (uint32_t)ceil(linear.applications);
@@ -551,6 +560,7 @@ rsv_status rsv_solve_on(rsv_light *s, uint32_t max_orders)
     q.resolvent = resolvent_of(&s->report);
     q.target =
         s->desc.tolerance * rsv_elements_mean_luminance(s->elements, s->field.source) / q.resolvent;
+    keep_target_in_reach(&q, 0);
     RSV_TRY(solve_from(&q, s->field.irradiance, max_orders));
     report_error(&q, q.next);
     rsv_sharpen(s->elements, s->field.indirect, q.term, q.next);

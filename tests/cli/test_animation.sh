@@ -32,6 +32,17 @@ import sys
 sys.exit(abs(float(sys.argv[1].split()[0]) - 1) > 0.02)
 TEXT
 
+# motion blur: the mean of pictures at eight moments
+still=(--size 32x32 --mode reference --clip slide)
+succeeds render moving.glb -o blur-%d.hdr "${still[@]}" --spp 2 --frames 0-0 --fps 1 --shutter 0.5
+k=0
+for time in 0.03125 0.09375 0.15625 0.21875 0.28125 0.34375 0.40625 0.46875; do
+    succeeds render moving.glb -o moment-$k.hdr "${still[@]}" --spp 2 --seed $k --time $time
+    k=$((k + 1))
+done
+python3 "$here/mean_picture.py" blur-0.hdr moment-?.hdr || complain "--shutter: not the mean of its moments"
+refuses 2 'shutter requires' render moving.glb -o "$out/x.exr" --shutter 0.5
+
 # frames of an operator file, which has the document: relit, and as the same light solved at that moment
 frames=(--mode operator --size 32x32 --spp 16)
 succeeds solve moving.glb -o rest.safetensors --quality draft --max-elements 800
@@ -47,6 +58,10 @@ says '^relative_mse *0.000'
 says '^mean_ratio *\(1.00\|0.99\)'
 succeeds compare lit-0.exr lit.exr
 says '^relative_mse *0.[1-9]' # the block has moved
+succeeds relight rest.safetensors -o open-%d.exr "${frames[@]}" --frames 1-1 --fps 2 --light light=0.5 --shutter 0.01
+succeeds compare open-1.exr lit-1.exr
+says '^relative_mse *0.00'
+says '^mean_ratio *\(1.00\|0.99\)'
 refuses 1 'keeps no glTF file' relight late.safetensors -o "$out/x%d.png" --frames 0-1
 refuses 1 'do not fit' relight rest.safetensors -o "$out/x%d.png" --frames 0-1 --move light=0.1,0,0
 refuses 1 'writes pictures only' relight rest.safetensors -o "$out/x%d.safetensors" --frames 0-1

@@ -43,6 +43,14 @@ succeeds solve cornell-spheres -o solved.safetensors --quality draft --max-eleme
 succeeds render solved.safetensors -o calm.exr "${draft[@]}" --noise 5%
 ! cmp -s calm.exr final1.exr || complain "--noise changes nothing"
 refuses 1 "leave out" render furnace -o no.exr --mode reference --noise 2%
+for threads in 1 3; do
+    succeeds render solved.safetensors -o filtered$threads.exr "${draft[@]}" --denoise --threads $threads
+done
+cmp -s filtered1.exr filtered3.exr || complain "the filter depends on the number of threads"
+! cmp -s filtered1.exr final1.exr || complain "--denoise changes nothing"
+refuses 2 "exclude each other" render furnace -o no.exr --denoise --no-denoise
+refuses 2 "exclude each other" render furnace -o no.exr --denoise --mode reference
+refuses 2 "exclude each other" render furnace -o no.exr --denoise --layers
 medium=(--size 16x16 --quality medium)
 succeeds render solved.safetensors -o even.exr "${medium[@]}" --spp 9
 succeeds render solved.safetensors -o zero.exr "${medium[@]}" --noise 0

@@ -57,7 +57,7 @@ if(TARGET resolvent_program)
     set_tests_properties(cli_docs_whole PROPERTIES LABELS long)
 endif()
 # the test of the package runs it twice
-foreach(name IN ITEMS own_memory own_files own_threads cancel two_lights)
+foreach(name IN ITEMS own_memory own_files own_threads cancel two_lights door)
     if(TARGET sample_${name})
         add_test(NAME sample_${name} COMMAND sample_${name})
         set_tests_properties(sample_${name} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")

@@ -537,6 +537,27 @@ static void doors_let_light_in(void **state)
     close_stage(&s);
 }
 
+/// A tolerance below the rounding of stored light is raised, as in a solve, and does not cost orders without end.
+static void orders_end_at_rounding(void **state)
+{
+    (void)state;
+    stage s = open_stage("cornell-blocks", "short block");
+    rsv_solve_desc desc = small_desc();
+    desc.element_target = 300;
+    desc.direct_level = false;
+    desc.tolerance = 1e-8f;
+    rsv_light *light = solve(s.scene, &desc);
+    uint32_t most = rsv_light_report(light)->iterations;
+    for (int k = 1; k <= 3; k++) {
+        follow(light, &s, motion_of(&s, v3(-0.02f * (float)k, 0, 0), 0, 0, 0));
+        const rsv_solve_report *report = rsv_light_report(light);
+        assert_int_equal(report->stop_reason, RSV_STOP_CONVERGED);
+        if (report->iterations > most) fail_msg("%u, not %u", report->iterations, most);
+    }
+    rsv_light_destroy(light);
+    close_stage(&s);
+}
+
 // ---- what cannot be followed ----------------------------------------------------------------------
 
 static void other_scenes_are_refused(void **state)
@@ -671,6 +692,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_waits_is_computed_in_its_turn),
         cmocka_unit_test(what_waits_comes_to_rest_at_once),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
+        cmocka_unit_test(orders_end_at_rounding),
         cmocka_unit_test(other_scenes_are_refused),
         cmocka_unit_test(meshes_that_deform_are_followed),
         cmocka_unit_test(translucent_bodies_keep_their_shape),

@@ -1,0 +1,11 @@
+/// Pictures without noise, from two halves with guides.
+#ifndef RSV_PICTURE_FILTER_H
+#define RSV_PICTURE_FILTER_H
+
+#include "picture_guides.h"
+
+/// Filters the mean of two pictures with guides, of the same view and with independent noise.
+/// @param image out: of one layer
+rsv_status rsv_picture_filter(rsv_context *context, rsv_image *const half[2], rsv_image **image);
+
+#endif
