@@ -82,11 +82,11 @@
 /// Where elements err too much, pixels gather whose squared error is above this fraction of the target, if they are no
 /// more than this share of the picture, with so many rays per camera ray. Japanese classroom, 160x90, for 0.0049: of an
 /// error of 0.0092, 0.0038 is left where 6 % of the pixels gather, 0.0028 at 12 %, 0.0023 at 20 %.
-#define SELECTED_ABOVE 0.4
-#define MOST_SELECTED 0.4
+#define SELECTED_ABOVE 0.2
+#define MOST_SELECTED 0.5
 #define SELECTED_RAYS 4
 /// Gather rays that select pixels, and those of each camera ray at most.
-#define SELECTING_RAYS 1e6
+#define SELECTING_RAYS 2e6
 #define MOST_SELECTING_RAYS 8
 #define MOST_ROUNDS 4
 /// Targets above this begin with one camera ray in each half, others with two.
@@ -606,8 +606,8 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
     rsv_log(p->context, RSV_LOG_INFO,
         "plan: %zu rows%s%s and %u camera rays per pixel%s for a relative error of %.2g "
         "%%%s%s",
-        report->rows, rays, plan->goal ? " for this camera" : "", samples,
-        gathered, 100 * sqrt(p->wanted), elements, unknown);
+        report->rows, rays, plan->goal ? " for this camera" : "", samples, gathered,
+        100 * sqrt(p->wanted), elements, unknown);
 }
 
 static void say_what_is_missing(const rsv_planner *p)

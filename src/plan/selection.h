@@ -5,11 +5,12 @@
 #ifndef RSV_SELECTION_H
 #define RSV_SELECTION_H
 
-#include "resolvent/image.h"
+#include "resolvent/render.h"
 
 typedef struct rsv_selection_desc {
     double limit; ///< squared relative error above which a pixel is chosen
-    double rays;  ///< gather rays of each pixel: the fewer, the more pixels around it are judged with it
+    double
+        rays; ///< gather rays of each pixel: the fewer, the more pixels around it are judged with it
 } rsv_selection_desc;
 
 /// Chooses pixels whose error is probably above the limit.

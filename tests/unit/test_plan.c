@@ -317,7 +317,8 @@ static void pixels_gather_where_stored_light_is_wrong(void **state)
             rsv_image_create(w->context, noisy_side, noisy_side, 1, &image[k]), RSV_OK);
     for (int k = 0; k < 2; k++)
         fill_pair(image[k], image[2 + k], 0.3f, 7 + (uint32_t)k);
-    const rsv_image *const stored[2] = { image[0], image[1] }, *const truth[2] = { image[2], image[3] };
+    const rsv_image *const stored[2] = { image[0], image[1] }, *const truth[2] = { image[2],
+        image[3] };
     const rsv_selection_desc desc = { 0.01, 32 };
     double share = rsv_select_pixels(stored, truth, &desc, chosen);
     uint32_t right = 0, all = 0;
