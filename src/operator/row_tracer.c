@@ -204,8 +204,7 @@ void rsv_row_follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     const rsv_emission_wanted wanted = rsv_row_emission_wanted(tracer);
     tracked_ray tracked = { s->track, ray, tracer->scene->view };
     const rsv_specular_witness witness = { s->track ? track_path : NULL, &tracked };
-    rsv_gather gather =
-        rsv_specular_gather_seen(tracer->scene, path, &random, &wanted, &witness);
+    rsv_gather gather = rsv_specular_gather_seen(tracer->scene, path, &random, &wanted, &witness);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = rsv_row_entering(tracer, r, cos_receiver);
     rsv_row_record_gather(tracer, s, ray, &gather, entered, rsv_random_float(&random));

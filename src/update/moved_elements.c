@@ -136,6 +136,13 @@ static rsv_status bridge_again(
     return status;
 }
 
+/// @param then, now [3] as in rsv_cell_sides
+static bool are_same_sides(const float *then, const float *now)
+{
+    if (!then || !now) return !then && !now;
+    return then[0] == now[0] && then[1] == now[1] && then[2] == now[2];
+}
+
 /// Lines on which walls stand, as they are now; what they part otherwise than before belongs to the change.
 static rsv_status cut_again(
     const rsv_transport_scene *scene, rsv_elements *e, rsv_scene_change *change)
@@ -150,7 +157,7 @@ static rsv_status cut_again(
     for (uint32_t c = 0; c < e->cell_count && status == RSV_OK && (cut || e->cell_cut); c++) {
         const float *then = cut && cut[c] != RSV_NONE ? side[cut[c]] : NULL,
                     *now = rsv_cell_sides(e, c);
-        if (!then == !now && (!now || memcmp(then, now, sizeof *side) == 0)) continue;
+        if (are_same_sides(then, now)) continue;
         rsv_box b = rsv_box_of_cell(e, c);
         rsv_scene_change_cover(change, b.low, b.high);
     }

@@ -35,9 +35,10 @@ static uint64_t key_of(const rsv_row_basis *t)
         key = rsv_key_add(key, (uint64_t)cell->level << 8 | cell->flipped);
     }
     key = rsv_key_add_bytes(key, e->cell_node, e->cell_count * sizeof *e->cell_node);
-    for (uint32_t c = 0; c < e->cell_count && e->cell_cut; c++)
-        if (rsv_cell_sides(e, c))
-            key = rsv_key_add_bytes(rsv_key_add(key, c), rsv_cell_sides(e, c), sizeof *e->cut_side);
+    for (uint32_t c = 0; c < e->cell_count && e->cell_cut; c++) {
+        const float *side = rsv_cell_sides(e, c);
+        if (side) key = rsv_key_add_bytes(rsv_key_add(key, c), side, sizeof *e->cut_side);
+    }
     if (e->node_draw)
         key = rsv_key_add_bytes(key, e->node_draw, e->node_count * sizeof *e->node_draw);
     return rsv_key_add_bytes(key, t->valid_points, e->node_count * sizeof *t->valid_points);

@@ -533,29 +533,32 @@ static void rare_light_errs_as_much_as_was_asked_for(void **state)
     world_end(w);
 }
 
+static void plan_room_without_light(bool unlit)
+{
+    world *w = world_begin(1);
+    rsv_material material = lambert_material(0.5f, 0);
+    material.unlit = unlit;
+    world_room(w, world_material(w, material), v3(0, 0, 0), v3(1, 1, 1));
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    const rsv_camera camera = rsv_camera_frame_sphere("inside", v3(0.5f, 0.5f, 0.5f), 0.1f);
+    rsv_render_desc picture = picture_desc(8);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    picture.viewpoint = &camera;
+    planned p = make(w, &desc, &picture);
+    double mean = mean_of(p.image, 8 * 8);
+    assert_true(unlit ? mean > 0.1 : mean == 0);
+    assert_true((p.light != NULL) == unlit);
+    assert_true(p.plan.is_reached);
+    destroy(&p);
+    world_end(w);
+}
+
 /// Scenes without light are not solved, but what shines without lighting anything is seen.
 static void nothing_is_solved_without_light(void **state)
 {
     (void)state;
-    static const bool unlit[] = { false, true };
-    for (int k = 0; k < 2; k++) {
-        world *w = world_begin(1);
-        rsv_material material = lambert_material(0.5f, 0);
-        material.unlit = unlit[k];
-        world_room(w, world_material(w, material), v3(0, 0, 0), v3(1, 1, 1));
-        world_commit(w);
-        const rsv_camera camera = rsv_camera_frame_sphere("inside", v3(0.5f, 0.5f, 0.5f), 0.1f);
-        rsv_render_desc picture = picture_desc(8);
-        rsv_plan_desc desc = rsv_default_plan_desc();
-        picture.viewpoint = &camera;
-        planned p = make(w, &desc, &picture);
-        double mean = mean_of(p.image, 8 * 8);
-        assert_true(unlit[k] ? mean > 0.1 : mean == 0);
-        assert_true((p.light != NULL) == unlit[k]);
-        assert_true(p.plan.is_reached);
-        destroy(&p);
-        world_end(w);
-    }
+    plan_room_without_light(false);
+    plan_room_without_light(true);
 }
 
 /// The error of light that fog scatters is known too, from gather rays that begin in the air.

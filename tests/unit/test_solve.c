@@ -455,7 +455,7 @@ static double mean_by_light_near_wall(float distance)
         .position = v3(0.43f, 1 - distance, 0.54f),
         .intensity = rgb_gray(1) };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
-    world_commit(w);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     rsv_light *s = solve(w, 200);
     double mean = rsv_light_report(s)->mean_irradiance;
     rsv_light_destroy(s);
