@@ -163,6 +163,7 @@ static void add_plan(cJSON *root, const rsv_picture_plan *plan)
     cJSON_AddNumberToObject(object, "refinements", plan->refinements);
     cJSON_AddBoolToObject(object, "goal", plan->goal);
     cJSON_AddBoolToObject(object, "gathers", plan->gathers);
+    cJSON_AddNumberToObject(object, "gathered_share", plan->gathered_share);
     cJSON_AddNumberToObject(object, "rounds", plan->rounds);
     cJSON_AddNumberToObject(object, "noise_mse", plan->noise);
     cJSON_AddNumberToObject(object, "elements_mse", plan->elements_error);

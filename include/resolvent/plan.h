@@ -43,6 +43,8 @@ typedef struct rsv_picture_plan {
     double
         elements_error; ///< estimated relative MSE due to elements and their rays; NAN = not estimated
     bool is_reached;    ///< whether the estimates meet the target
+    double
+        gathered_share; ///< fraction of pixels that gather indirect light, with some rays per camera ray
 } rsv_picture_plan;
 
 /// Renders a planned picture in mode final. Solves with few elements, takes a few samples to measure noise, determines

@@ -21,6 +21,8 @@ typedef struct rsv_planner {
     uint32_t passes;
     rsv_sample_sum sum;
     bool is_stuck; ///< the last solution has not helped
+    uint8_t *
+        selected; ///< [height * width] pixels that gather (selection.h); NULL = none were chosen for this light
     double
         gathered_noise; ///< relative MSE of the first passes, had they one gather ray per camera ray
     rsv_picture_plan plan;

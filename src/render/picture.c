@@ -253,10 +253,11 @@ rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_r
 }
 
 rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image)
+    const rsv_render_desc *desc, const uint32_t *count, const uint8_t *where, rsv_image **image)
 {
     rsv_picture_job job = series->job;
     job.count = count;
+    job.where = where;
     job.gathers_sources = !job.setting.cross_fog;
     return take(series, desc, job, image);
 }

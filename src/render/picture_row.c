@@ -98,7 +98,7 @@ static rsv_rgb march(
         .seed = rsv_hash2(trail, r->sample.index),
         .final = final,
         .by_order = job->layer_count > 1,
-        .gather = final && job->desc->gather_rays ? gather_in_fog : NULL };
+        .gather = rsv_picture_gathers(r) ? gather_in_fog : NULL };
     draw_for_fog(r, first, trail, segment.u);
     return rsv_fog_march(job->solution, &segment, add_fog_light, r);
 }

@@ -32,6 +32,7 @@ typedef struct rsv_picture_job {
     uint32_t parts, part;   ///< camera rays are dealt out to so many pictures, of which this is one
     uint32_t before;        ///< camera rays per pixel that are in the image already
     bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
+    const uint8_t *where;   ///< [height * width] pixels whose light is gathered; NULL = all
 } rsv_picture_job;
 
 /// Camera rays of one row, traced together.
@@ -54,6 +55,14 @@ typedef struct rsv_picture_row {
     rsv_pixel_sample sample;
     bool is_diffuse; ///< what is added is reflected diffusely by the first surface
 } rsv_picture_row;
+
+/// Whether the pixel in hand gathers indirect light.
+RSV_INLINE bool rsv_picture_gathers(const rsv_picture_row *row)
+{
+    const rsv_picture_job *job = row->job;
+    if (job->desc->mode != RSV_RENDER_FINAL || !job->desc->gather_rays) return false;
+    return !job->where || job->where[(size_t)row->row * job->desc->width + row->column];
+}
 
 /// @return RSV_ERROR_MEMORY: it must still be destroyed
 rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *row);

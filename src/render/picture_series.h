@@ -23,8 +23,9 @@ rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_r
 
 /// The same with gather rays that bring all light of sources too that elements store, except caustics that no gather
 /// ray can find and light in fog: noisier, but without the elements' error in it.
+/// @param where [height * width] 1 for pixels that gather, 0 for those that look light up; NULL = all gather
 rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, rsv_image **image);
+    const rsv_render_desc *desc, const uint32_t *count, const uint8_t *where, rsv_image **image);
 
 /// Marks pixels that outlines cross (outlines.h).
 /// @param picture of the series; it may be noisy @param is_outline [height * width] out

@@ -207,10 +207,11 @@ void rsv_picture_gather_in_fog(
 }
 
 /// Light straight from sources as elements store it, without what shadow rays or gather rays bring.
-static rsv_rgb stored_direct(const rsv_picture_job *job, uint32_t face, float u, float v)
+static rsv_rgb stored_direct(const rsv_picture_row *r, uint32_t face, float u, float v)
 {
+    const rsv_picture_job *job = r->job;
     const rsv_light_view *s = job->solution;
-    if (!job->gathers_sources)
+    if (!job->gathers_sources || !rsv_picture_gathers(r))
         return rsv_light_view_direct(s, face, u, v, job->desc->mode == RSV_RENDER_FINAL);
     if (!rsv_has_unseen_caustics(s)) return rgb_gray(0);
     return rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, u, v);
@@ -225,10 +226,10 @@ static void shade(rsv_picture_row *r, const rsv_specular_path *path, uint32_t fa
         return;
     }
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
-    rsv_rgb stored = stored_direct(r->job, face, path->u, path->v);
+    rsv_rgb stored = stored_direct(r, face, path->u, path->v);
     rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, stored));
     if (final) rsv_pixel_direct_add(&r->direct, path, weight, r->column, r->sample);
-    if (final && r->job->desc->gather_rays)
+    if (rsv_picture_gathers(r))
         gather_indirect(r, path, weight);
     else
         look_up_indirect(r, face, path->u, path->v, weight);

@@ -3,6 +3,7 @@
 #include "plan/allocation.h"
 #include "plan/pixel_error.h"
 #include "plan/sample_sum.h"
+#include "plan/selection.h"
 #include "plan/spots.h"
 #include "render/picture_series.h"
 #include "resolvent/plan.h"
@@ -187,7 +188,7 @@ static rsv_image *gathered_picture(const planned *p, const rsv_render_desc *pict
     desc.gather_rays = 32;
     assert_int_equal(rsv_picture_series_create(p->light, &desc, &series), RSV_OK);
     assert_false(rsv_picture_series_keeps_caustics(series));
-    assert_int_equal(rsv_picture_series_take_gathered(series, &desc, NULL, &image), RSV_OK);
+    assert_int_equal(rsv_picture_series_take_gathered(series, &desc, NULL, NULL, &image), RSV_OK);
     rsv_picture_series_destroy(series);
     return image;
 }
@@ -291,6 +292,49 @@ static void a_few_pixels_show_the_error_of_elements(void **state)
 }
 
 enum { noisy_side = 64 };
+
+/// A picture of 1 that is too bright in a block, and one with the noise of gather rays.
+static void fill_pair(rsv_image *stored, rsv_image *gathered, float error, uint32_t seed)
+{
+    for (uint32_t i = 0; i < noisy_side * noisy_side; i++) {
+        uint32_t x = i % noisy_side, y = i / noisy_side;
+        bool wrong = x >= 8 && x < 24 && y >= 8 && y < 24;
+        float noise = 0.5f * (rsv_unit_float(rsv_hash2(i, seed)) - 0.5f);
+        rsv_image_pixels(stored, 0)[i] = rgb_gray(wrong ? 1 + error : 1);
+        rsv_image_pixels(gathered, 0)[i] = rgb_gray(1 + noise);
+    }
+}
+
+/// Of pixels whose error is above the limit, nearly all are chosen, of the others few, whatever the noise.
+static void pixels_gather_where_stored_light_is_wrong(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    rsv_image *image[4];
+    uint8_t chosen[noisy_side * noisy_side];
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(
+            rsv_image_create(w->context, noisy_side, noisy_side, 1, &image[k]), RSV_OK);
+    for (int k = 0; k < 2; k++)
+        fill_pair(image[k], image[2 + k], 0.3f, 7 + (uint32_t)k);
+    const rsv_image *const stored[2] = { image[0], image[1] }, *const truth[2] = { image[2],
+        image[3] };
+    const rsv_selection_desc desc = { 0.01, 32 };
+    double share = rsv_select_pixels(stored, truth, &desc, chosen);
+    uint32_t right = 0, all = 0;
+    for (uint32_t i = 0; i < noisy_side * noisy_side; i++) {
+        uint32_t x = i % noisy_side, y = i / noisy_side;
+        all += chosen[i];
+        right += chosen[i] && x >= 8 && x < 24 && y >= 8 && y < 24;
+    }
+    print_message("%u of 256 chosen, %u of the others\n", right, all - right);
+    assert_close(share, all / (double)(noisy_side * noisy_side), 1e-12);
+    assert_true(right >= 250);
+    assert_true(all - right <= 70 + 80); // those around the block see its error too
+    for (int k = 0; k < 4; k++)
+        rsv_image_destroy(image[k]);
+    world_end(w);
+}
 
 static bool is_right_half(uint32_t x) { return x >= noisy_side / 2; }
 static bool is_edge(uint32_t x) { return x % 8 == 4; }
@@ -601,6 +645,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_solution_that_is_there_is_used),
         cmocka_unit_test(impossible_wishes_are_refused),
         cmocka_unit_test(gather_rays_bring_the_light_of_the_sky),
+        cmocka_unit_test(pixels_gather_where_stored_light_is_wrong),
         cmocka_unit_test(samples_follow_the_noise),
         cmocka_unit_test(samples_go_where_noise_is),
         cmocka_unit_test(outlines_get_enough_samples),
