@@ -84,7 +84,7 @@ static inline void world_end(world *w)
 {
     rsv_lights_destroy(w->lights);
     rsv_tracer_destroy(w->tracer);
-    rsv_free(w->context, w->bsdf);
+    free(w->bsdf);
     rsv_scene_destroy(w->scene);
     rsv_context_destroy(w->context);
     assert_int_equal(w->alive, 0);
@@ -257,7 +257,7 @@ static inline void world_commit(world *w)
     if (!rsv_scene_get_view(w->scene)->triangle_count)
         assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     const rsv_scene_view *view = rsv_scene_get_view(w->scene);
-    w->bsdf = rsv_alloc(w->context, view->material_count, sizeof *w->bsdf);
+    w->bsdf = calloc(view->material_count, sizeof *w->bsdf);
     assert_non_null(w->bsdf);
     for (size_t m = 0; m < view->material_count; m++) {
         w->bsdf[m] = rsv_bsdf_from_material(&view->material[m]);
