@@ -1,10 +1,8 @@
 #include "pixel_error.h"
 
 #include "../core/vec.h"
+#include "pixel_window.h"
 
-/// Pixels on either side over which brightness is averaged, and the part of the picture's that counts as the least.
-#define NEIGHBOURHOOD 2
-#define FLOOR 0.01
 typedef struct four_pictures {
     const rsv_rgb *a[2], *b[2];
     int width, height;
@@ -34,20 +32,14 @@ static void add_light(const four_pictures *p, size_t pixel, sum3 *sum)
     sum->count++;
 }
 
-/// The part of the picture around a pixel.
-typedef struct window {
-    int left, right, top, bottom; ///< inclusive
-} window;
-
-static window around(const four_pictures *p, int x, int y, int reach)
+static rsv_pixel_window around(const four_pictures *p, int x, int y)
 {
-    return (window){ x < reach ? 0 : x - reach, x + reach < p->width ? x + reach : p->width - 1,
-        y < reach ? 0 : y - reach, y + reach < p->height ? y + reach : p->height - 1 };
+    return rsv_pixel_window_around(p->width, p->height, x, y, RSV_PIXEL_SURROUNDINGS);
 }
 
 static sum3 local_light(const four_pictures *p, int x, int y)
 {
-    window w = around(p, x, y, NEIGHBOURHOOD);
+    rsv_pixel_window w = around(p, x, y);
     sum3 sum = { .count = 0 };
     for (int j = w.top; j <= w.bottom; j++)
         for (int i = w.left; i <= w.right; i++)
@@ -98,7 +90,7 @@ static four_pictures begin(
     for (size_t k = 0; k < (size_t)p.width * p.height; k++)
         add_light(&p, k, &light);
     double mean = (light.of[0] + light.of[1] + light.of[2]) / (3 * light.count);
-    p.floor = FLOOR * mean * mean;
+    p.floor = RSV_PIXEL_FLOOR * mean * mean;
     return p;
 }
 
@@ -110,7 +102,7 @@ static rsv_rgb lower(rsv_rgb a, rsv_rgb b)
 /// Mean of a picture around a pixel, which counts with the lower of two values.
 static sum3 light_beside(const four_pictures *p, int x, int y)
 {
-    window w = around(p, x, y, NEIGHBOURHOOD);
+    rsv_pixel_window w = around(p, x, y);
     size_t pixel = (size_t)y * p->width + x;
     sum3 sum = { .count = 0 };
     for (int j = w.top; j <= w.bottom; j++)

@@ -93,8 +93,8 @@
 #define GENEROUS (2 * USUAL_ERROR)
 /// The error of elements is estimated at SPOTS pixels with FIRST_RAYS gather rays each. If that leaves more than
 /// DOUBTFUL_SHARE of the target error uncertain, more rays follow at as many others, for up to LOOK_SHARE of the cost
-/// of rows and samples. Few pixels have most of the error: 800 with 32 rays each cost as much as 3200 with 8, and in the
-/// classroom leave .0018 uncertain instead of .0010. GATHER_RAY_COST is that of a gather ray alone, like GATHERED_COST.
+/// of rows and samples. Few pixels have most of the error: 800 with 32 rays each cost about as much as 3200 with 8, but
+/// by the spread of errors in the classroom leave .0018 uncertain, calculated, instead of .0010. GATHER_RAY_COST is that of a gather ray alone, like GATHERED_COST.
 #define SPOTS 3200
 #define FIRST_RAYS 8
 #define LOOK_SHARE 0.3

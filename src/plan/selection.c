@@ -1,6 +1,7 @@
 #include "selection.h"
 
 #include "../core/vec.h"
+#include "pixel_window.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,10 +9,6 @@
 /// A pixel is judged with those around it that have this many gather rays together, at most so far on either side.
 #define RAYS_JUDGED 200
 #define FARTHEST 5
-/// Pixels on either side over which brightness is averaged, and the square of the part of the picture's brightness that
-/// counts as the least.
-#define AROUND 2
-#define FLOOR 0.01
 /// Standard errors by which a squared error must exceed the limit.
 #define CERTAINTY 0.7
 
@@ -22,21 +19,15 @@ typedef struct pictures {
     double floor;
 } pictures;
 
-/// The part of the picture around a pixel.
-typedef struct window {
-    int left, right, top, bottom; ///< inclusive
-} window;
-
 /// Sums over differences that are independent but for their mean.
 typedef struct sums {
     double weights, squared_weights;
     double differences, squares; ///< of weighted differences
 } sums;
 
-static window around(const pictures *p, int x, int y, int reach)
+static rsv_pixel_window around(const pictures *p, int x, int y, int reach)
 {
-    return (window){ x < reach ? 0 : x - reach, x + reach < p->width ? x + reach : p->width - 1,
-        y < reach ? 0 : y - reach, y + reach < p->height ? y + reach : p->height - 1 };
+    return rsv_pixel_window_around(p->width, p->height, x, y, reach);
 }
 
 static double brightness(const pictures *p, size_t pixel)
@@ -46,7 +37,7 @@ static double brightness(const pictures *p, size_t pixel)
 
 static double squared_light(const pictures *p, int x, int y)
 {
-    window w = around(p, x, y, AROUND);
+    rsv_pixel_window w = around(p, x, y, RSV_PIXEL_SURROUNDINGS);
     double sum = 0, count = (w.right - w.left + 1.0) * (w.bottom - w.top + 1.0);
     for (int j = w.top; j <= w.bottom; j++)
         for (int i = w.left; i <= w.right; i++)
@@ -69,7 +60,7 @@ static void add(const pictures *p, size_t pixel, double weight, sums *s)
 /// The nearer a pixel, the more it counts.
 static sums add_up(const pictures *p, int x, int y)
 {
-    window w = around(p, x, y, p->reach);
+    rsv_pixel_window w = around(p, x, y, p->reach);
     sums s = { 0 };
     for (int j = w.top; j <= w.bottom; j++)
         for (int i = w.left; i <= w.right; i++) {
@@ -113,7 +104,7 @@ static pictures begin(const rsv_image *const stored[2], const rsv_image *const g
     }
     for (size_t k = 0; k < (size_t)p.width * p.height; k++)
         mean += brightness(&p, k) / pixels;
-    p.floor = FLOOR * mean * mean;
+    p.floor = RSV_PIXEL_FLOOR * mean * mean;
     return p;
 }
 
