@@ -3,7 +3,7 @@
 #include "denoise_constants.h"
 #include "window.h"
 
-#define LIGHT_PLANES 10
+#define LIGHT_PLANES 13
 #define ALL_PLANES (SURFACE_PLANES + RSV_KINDS_OF_LIGHT * LIGHT_PLANES + 1)
 
 /// Light that first surfaces reflect diffusely, by albedo, and all other.
@@ -16,7 +16,7 @@ typedef struct filter {
     rsv_light_planes light[RSV_KINDS_OF_LIGHT];
     float *variance; ///< [plane] of a half, by one pixel alone
     int kind;        ///< of the light at hand
-    rsv_rgb *picture;
+    rsv_rgb *const *filtered;
 } filter;
 
 static void lay_out(filter *f, float *planes)
@@ -24,13 +24,13 @@ static void lay_out(filter *f, float *planes)
     size_t size = rsv_plane_size(&f->grid);
     for (int kind = 0; kind < RSV_KINDS_OF_LIGHT; kind++) {
         rsv_light_planes *light = &f->light[kind];
-        for (size_t c = 0; c < 3; c++) {
-            light->half[0][c] = planes + c * size;
-            light->half[1][c] = planes + (3 + c) * size;
-            light->mean[c] = planes + (6 + c) * size;
-        }
-        light->variance = planes + 9 * size;
-        planes += LIGHT_PLANES * size;
+        for (int half = 0; half < 2; half++)
+            for (int c = 0; c < 3; c++, planes += size) {
+                light->half[half][c] = planes;
+                light->filtered[half][c] = planes + 6 * size;
+            }
+        light->variance = planes + 6 * size;
+        planes += 7 * size;
     }
     f->variance = planes;
 }
@@ -95,21 +95,22 @@ static float least_variance(const filter *f)
     return f_max((float)(NO_VARIANCE * mean * mean), 1e-30f);
 }
 
-static rsv_rgb filtered(const filter *f, int kind, size_t p)
+static rsv_rgb at(float *const plane[3], size_t p)
 {
-    float *const *mean = f->light[kind].mean;
-    return rgb(mean[0][p], mean[1][p], mean[2][p]);
+    return rgb(plane[0][p], plane[1][p], plane[2][p]);
 }
 
 static void join_lights(const void *user, size_t y)
 {
     const filter *f = user;
+    const rsv_light_planes *diffuse = &f->light[DIFFUSE], *other = &f->light[OTHER];
     for (size_t x = 0; x < f->grid.width; x++) {
         size_t p = rsv_plane_place(&f->grid, x, y), pixel = y * f->grid.width + x;
         rsv_rgb albedo = rgb_scale(
             rgb_add(divisor(f->half[0].albedo[pixel]), divisor(f->half[1].albedo[pixel])), 0.5f);
-        rsv_rgb diffuse = rgb_mul(filtered(f, DIFFUSE, p), albedo);
-        f->picture[pixel] = rgb_positive(rgb_add(diffuse, filtered(f, OTHER, p)));
+        for (int half = 0; half < 2; half++)
+            f->filtered[half][pixel] = rgb_add(
+                rgb_mul(at(diffuse->filtered[half], p), albedo), at(other->filtered[half], p));
     }
 }
 
@@ -125,11 +126,11 @@ static void run(filter *f)
 }
 
 rsv_status rsv_denoise(rsv_context *context, uint32_t width, uint32_t height,
-    const rsv_denoise_half half[2], rsv_rgb *picture)
+    const rsv_denoise_half half[2], rsv_rgb *const filtered[2])
 {
     if (width == 0 || height == 0) return RSV_OK;
     filter f = {
-        .grid = rsv_plane_grid_of(context, width, height), .half = half, .picture = picture
+        .grid = rsv_plane_grid_of(context, width, height), .half = half, .filtered = filtered
     };
     float *planes = rsv_planes_create(&f.grid, ALL_PLANES);
     if (!planes) return RSV_ERROR_MEMORY;

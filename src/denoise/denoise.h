@@ -22,9 +22,9 @@ typedef struct rsv_denoise_half {
     const rsv_rgb *place;   ///< r: 1 / distance of the first surface, 0 = none
 } rsv_denoise_half;
 
-/// Filters the mean of two halves with equally much noise.
-/// @param picture out, [height * width]
+/// Filters two halves with equally much noise. Their mean is the picture, their difference shows what noise is left.
+/// @param filtered out, [height * width] each; slightly negative where a pixel is dark beside bright ones
 rsv_status rsv_denoise(rsv_context *context, uint32_t width, uint32_t height,
-    const rsv_denoise_half half[2], rsv_rgb *picture);
+    const rsv_denoise_half half[2], rsv_rgb *const filtered[2]);
 
 #endif

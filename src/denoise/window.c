@@ -143,17 +143,17 @@ static float mean_of(const tile_sums *sums, int half, int channel, size_t x, siz
 
 static void store(const tile_work *w, const rsv_light_planes *light, const tile_sums *sums)
 {
-    for (int c = 0; c < 3; c++)
-        for (size_t y = 0; y < TILE_HEIGHT; y++) {
-            size_t p = w->first + y * w->job->grid->stride;
-            for (size_t x = 0; x < TILE_WIDTH; x++) {
-                bool filtered = light->variance[p + x] > 0 && sums->weight[0][y][x] > 0 &&
-                                sums->weight[1][y][x] > 0;
-                float both = filtered ? mean_of(sums, 0, c, x, y) + mean_of(sums, 1, c, x, y)
-                                      : light->half[0][c][p + x] + light->half[1][c][p + x];
-                light->mean[c][p + x] = 0.5f * both;
-            }
+    for (size_t y = 0; y < TILE_HEIGHT; y++) {
+        size_t p = w->first + y * w->job->grid->stride;
+        for (size_t x = 0; x < TILE_WIDTH; x++) {
+            bool filtered = light->variance[p + x] > 0 && sums->weight[0][y][x] > 0 &&
+                            sums->weight[1][y][x] > 0;
+            for (int half = 0; half < 2; half++)
+                for (int c = 0; c < 3; c++)
+                    light->filtered[half][c][p + x] =
+                        filtered ? mean_of(sums, half, c, x, y) : light->half[half][c][p + x];
         }
+    }
 }
 
 static bool is_noisy(const tile_work *w, const rsv_light_planes *light)

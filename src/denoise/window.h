@@ -9,9 +9,9 @@
 /// Light that is filtered; all [plane].
 typedef struct rsv_light_planes {
     float *half[2][3];
-    float *variance; ///< of a half: sum over channels
-    float least;     ///< variance that counts as none
-    float *mean[3];  ///< out: of both halves, filtered; unfiltered where there is no variance
+    float *variance;       ///< of a half: sum over channels
+    float least;           ///< variance that counts as none
+    float *filtered[2][3]; ///< out: the halves; as they were where there is no variance
 } rsv_light_planes;
 
 /// Filters several kinds of light by the same surfaces.

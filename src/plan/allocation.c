@@ -81,11 +81,17 @@ static void find_worth(allocator *a, uint32_t x, uint32_t y, float all)
     a->worth[pixel] = powf(error, (float)(1 / (1 + a->fall)));
 }
 
+/// Relative squared error of one sample; with a filter, what it leaves of it.
+static float variance_of(const rsv_sample_sum *sum, size_t pixel)
+{
+    return sum->pixel[pixel].variance * (sum->kept ? sum->kept[pixel] : 1);
+}
+
 static void find_errors(allocator *a)
 {
     float all;
     for (size_t k = 0; k < (size_t)a->width * a->height; k++)
-        a->own[k] = a->sum->pixel[k].variance;
+        a->own[k] = variance_of(a->sum, k);
     all = mean_of_all(a);
     for (uint32_t y = 0; y < a->height; y++)
         for (uint32_t x = 0; x < a->width; x++)
@@ -187,6 +193,7 @@ double rsv_uneven_noise(const rsv_sample_sum *sum)
 {
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
     double noise = 0;
+    if (sum->filtered_error) return rsv_filtered_noise(sum);
     for (size_t k = 0; k < pixels; k++)
         noise += (double)sum->pixel[k].variance * (double)sum->pixel[k].left;
     return noise / (double)pixels;

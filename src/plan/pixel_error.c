@@ -5,6 +5,7 @@
 
 typedef struct four_pictures {
     const rsv_rgb *a[2], *b[2];
+    const rsv_rgb *light[2]; ///< that errors are relative to; NULL = all four
     int width, height;
     double floor;
     rsv_pixel_error_desc desc;
@@ -24,10 +25,13 @@ static void add(sum3 *sum, rsv_rgb c, double factor)
 
 static void add_light(const four_pictures *p, size_t pixel, sum3 *sum)
 {
-    double share = p->desc.by_a ? 0.5 : 0.25;
     for (int k = 0; k < 2; k++) {
-        add(sum, p->a[k][pixel], share);
-        if (!p->desc.by_a) add(sum, p->b[k][pixel], share);
+        if (p->light[k]) {
+            add(sum, p->light[k][pixel], 0.5);
+        } else {
+            add(sum, p->a[k][pixel], 0.25);
+            add(sum, p->b[k][pixel], 0.25);
+        }
     }
     sum->count++;
 }
@@ -86,6 +90,7 @@ static four_pictures begin(
     for (int k = 0; k < 2; k++) {
         p.a[k] = rsv_image_const_pixels(a[k], 0);
         p.b[k] = rsv_image_const_pixels(b[k], 0);
+        if (desc.light) p.light[k] = rsv_image_const_pixels(desc.light[k], 0);
     }
     for (size_t k = 0; k < (size_t)p.width * p.height; k++)
         add_light(&p, k, &light);
@@ -126,7 +131,7 @@ static double square_at(const four_pictures *p, int x, int y)
 void rsv_pixel_squares(const rsv_image *mean, const rsv_image *a, const rsv_image *b, float *map)
 {
     const rsv_image *const light[2] = { mean, mean }, *const pair[2] = { a, b };
-    four_pictures p = begin(light, pair, (rsv_pixel_error_desc){ .by_a = true });
+    four_pictures p = begin(light, pair, (rsv_pixel_error_desc){ .light = light });
     for (int y = 0; y < p.height; y++)
         for (int x = 0; x < p.width; x++)
             map[(size_t)y * p.width + x] = (float)square_at(&p, x, y);

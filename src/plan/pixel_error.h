@@ -6,7 +6,8 @@
 
 typedef struct rsv_pixel_error_desc {
     double most; ///< that a pixel counts, either way
-    bool by_a;   ///< relative to a alone: b is noisy, and dark where it has missed something
+    /// [2] light that errors are relative to, where pictures are too noisy for that or have gaps; NULL = that of all four
+    const rsv_image *const *light;
     const uint32_t *spots; ///< [height * width] pixels with 0 are left out; NULL = none
 } rsv_pixel_error_desc;
 

@@ -48,10 +48,17 @@
 /// because samples are cheaper than elements.
 #define ELEMENTS_SHARE 0.75
 #define LEAST_NOISE_SHARE 0.2
+/// The same in pictures that are filtered, where what is left is hard to get rid of: in the classroom, 220 samples
+/// instead of 135 took 50 of 190 CPU s, and the error was mostly due to elements.
+#define LEAST_FILTERED_NOISE_SHARE 0.5
 /// Fraction of the target error that elements usually cause, and its standard deviation: 0.1 in cornell-blocks, 0.3 in
 /// the modern hall, 1 in the staircase and the white room. Estimates count as far as they are more certain.
 #define USUAL_ELEMENTS_SHARE 0.3
 #define ELEMENTS_SHARE_SPREAD 0.5
+/// Least fraction in pictures that are filtered. It is not worthwhile to know it better there: a longer look would take
+/// as long as the picture, and samples are few. In the hall, the staircase, the white room and the classroom at 320x180
+/// and 7 %, pictures whose noise was to be all of the target had 0.7, 2.4, 2.1 and 3.1 times the squared error requested.
+#define FILTERED_ELEMENTS_SHARE 0.5
 /// Cost of a camera ray with a gather ray, and of one without, in rays of rows, all included. Measured in the white
 /// room and the Japanese classroom: 0.6 to 1.7 us for a ray of rows, 13 and 9 us for a camera ray.
 #define GATHERED_COST 20.0
@@ -64,6 +71,9 @@
 /// Fraction of the error of elements that gather rays leave, because only the first order of indirect light is
 /// gathered. In cornell-blocks with 40 elements, 0.0015 is left; in two-rooms at draft, 0.0013 of 0.009.
 #define GATHERED_LEFT 0.2
+/// Part of the noise of gather rays that the filter leaves: white room, 4 camera rays, relative MSE 0.19 without it and
+/// 0.025 with it, of which the elements have 0.006.
+#define FILTERED_GATHERING 0.2
 /// The light that gather rays come to has a part of the same error, so that stored light differs less from gathered
 /// light than from the truth. Relative MSE, stored against gathered and against the path tracer: gallery 0.0021 and
 /// 0.0035, two-rooms 0.0095 and 0.0148, hall 0.0038 and 0.0060, staircase 0.0125 and 0.0174.
@@ -89,6 +99,8 @@
 #define SELECTING_RAYS 2e6
 #define MOST_SELECTING_RAYS 8
 #define MOST_ROUNDS 4
+/// Between the seeds of pictures.
+#define OTHER_SEED 0x9e3779b9u
 /// Targets above this begin with one camera ray in each half, others with two.
 #define GENEROUS (2 * USUAL_ERROR)
 /// The error of elements is estimated at SPOTS pixels with FIRST_RAYS gather rays each. If that leaves more than
@@ -148,23 +160,33 @@ static double fall_of(const rsv_planner *p)
     return p->plan.gathers || p->selected ? RSV_GATHERED_FALL : RSV_STRATIFIED_FALL;
 }
 
-/// @param count [height * width] samples of each pixel, not of path traced ones; NULL = the same in all
+/// Takes one pass of a pair, which are the halves of one stratified picture.
+/// @param samples of this pass, in each pixel or on average @param count [height * width] samples of each pixel in both
+/// passes, not of path traced ones; NULL = the same in all
 static rsv_status take(rsv_planner *p, uint32_t samples, const uint32_t *count, rsv_image **image)
 {
     rsv_render_desc desc = p->picture;
-    desc.samples = samples;
-    desc.seed += 0x9e3779b9u * p->passes++; // the first pass has the seed itself
+    uint32_t index = p->passes++;
     RSV_ASSERT(!count || desc.mode != RSV_RENDER_REFERENCE);
-    if (desc.mode == RSV_RENDER_REFERENCE)
+    if (desc.mode == RSV_RENDER_REFERENCE) {
+        desc.samples = samples;
+        desc.seed += OTHER_SEED * index;
         return rsv_render_reference(p->scene, &desc, image, NULL);
+    }
+    rsv_picture_pass pass = {
+        .count = count, .is_half = true, .half = index % 2, .is_alone = p->compares
+    };
     rsv_status status = RSV_OK;
+    desc.samples = 2 * samples;
+    desc.seed += OTHER_SEED * (index / 2); // the first pair has the seed itself
     if (!p->series) status = rsv_picture_series_create(p->light, &desc, &p->series);
     if (status != RSV_OK) return status;
-    if (!desc.gather_rays && !p->selected)
-        return rsv_picture_series_take(p->series, &desc, count, image);
-    const uint8_t *where = desc.gather_rays ? NULL : p->selected;
-    if (where) desc.gather_rays = SELECTED_RAYS;
-    return rsv_picture_series_take_gathered(p->series, &desc, count, where, image);
+    if (!desc.gather_rays && p->selected) {
+        pass.where = p->selected;
+        desc.gather_rays = SELECTED_RAYS;
+    }
+    if (desc.gather_rays) pass.gathered = p->gathered;
+    return rsv_picture_series_take(p->series, &desc, &pass, image);
 }
 
 rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
@@ -183,28 +205,18 @@ rsv_status rsv_planner_find_outlines(rsv_planner *p)
     return rsv_picture_series_find_outlines(p->series, p->sum.mean, p->sum.is_outline);
 }
 
-/// One pass of an allocated pair.
-static rsv_status take_half(
-    rsv_planner *p, const rsv_allocation *allocation, int half, uint32_t *count, rsv_image **image)
-{
-    size_t pixels = (size_t)p->picture.width * p->picture.height;
-    for (size_t k = 0; k < pixels; k++)
-        count[k] = rsv_uneven_half(allocation->extra[k], half);
-    return take(p, (uint32_t)fmax(allocation->mean / 2 + 0.5, 1), count, image);
-}
-
 rsv_status rsv_planner_take_allocated(rsv_planner *p, const rsv_allocation *allocation)
 {
-    size_t pixels = (size_t)p->picture.width * p->picture.height;
+    uint32_t mean = (uint32_t)fmax(allocation->mean / 2 + 0.5, 1);
     rsv_image *pass[2] = { NULL, NULL };
-    uint32_t *count = rsv_alloc(p->context, pixels, sizeof *count);
-    rsv_status status = count ? RSV_OK : RSV_ERROR_MEMORY;
+    rsv_status status = RSV_OK;
+    RSV_ASSERT(p->passes % 2 == 0);
     for (int half = 0; half < 2 && status == RSV_OK; half++)
-        status = take_half(p, allocation, half, count, &pass[half]);
-    rsv_free(p->context, count);
+        status = take(p, mean, allocation->extra, &pass[half]);
     if (status == RSV_OK) {
         const rsv_uneven_pair pair = { allocation->extra, allocation->renewed, allocation->fall };
         status = rsv_sample_sum_add_uneven(p->context, &p->sum, &pair, pass);
+        if (status == RSV_OK) status = rsv_sample_sum_filter(p->context, &p->sum);
     } else {
         rsv_image_destroy(pass[0]);
     }
@@ -298,6 +310,7 @@ static rsv_status take_first(rsv_planner *p)
     rsv_status status = rsv_planner_take(p, samples);
     if (status == RSV_OK) status = rsv_planner_take(p, samples);
     rsv_progress_part(p->context, NULL, 0);
+    if (status == RSV_OK) status = rsv_sample_sum_filter(p->context, &p->sum);
     if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     return status;
 }
@@ -305,46 +318,79 @@ static rsv_status take_first(rsv_planner *p)
 /// What one look at the elements finds.
 typedef struct elements_look {
     double error, uncertainty; ///< relative MSE due to elements, and its standard error
-    double gathered_noise; ///< relative MSE of the first passes with one gather ray per camera ray
+    double looked_up_noise;    ///< relative MSE of the first passes by noise, at these pixels
+    double gathered_noise;     ///< the same with one gather ray per camera ray
+    double kept; ///< relative MSE that gather rays leave because they do not bring all light
 } elements_look;
 
 /// Repeats the last two passes at some pixels with gather rays. All other random numbers are the same, so that edges,
 /// highlights and shadows add no noise to the differences.
+/// @param count [height * width] samples of pixels, in both
 static rsv_status take_spots(
-    rsv_planner *p, const uint32_t *count, uint32_t rays, rsv_image *gathered[2])
+    rsv_planner *p, const uint32_t *count, uint32_t rays, rsv_gathered kind, rsv_image *gathered[2])
 {
     uint32_t passes = p->passes;
+    rsv_gathered before = p->gathered;
     rsv_status status = RSV_OK;
     p->passes -= 2;
+    p->gathered = kind;
+    p->compares = true;
     p->picture.gather_rays = rays;
     for (int k = 0; k < 2 && status == RSV_OK; k++)
         status = take(p, p->sum.half_samples, count, &gathered[k]);
     p->picture.gather_rays = 0;
+    p->gathered = before;
+    p->compares = false;
     p->passes = passes;
     return status;
 }
 
 /// Relative MSE by noise of the mean of two halves, at some pixels.
-static double noise_of(const rsv_image *const half[2], const uint32_t *count)
+static double noise_of(const rsv_planner *p, const rsv_image *const half[2], const uint32_t *count)
 {
+    const rsv_image *const light[2] = { p->sum.half[0], p->sum.half[1] };
     const rsv_image *const first[2] = { half[0], half[0] }, *const second[2] = { half[1], half[1] };
-    const rsv_pixel_error_desc desc = { RSV_MOST_OF_A_PIXEL, false, count };
+    const rsv_pixel_error_desc desc = { RSV_MOST_OF_A_PIXEL, light, count };
     double unused;
     return 0.25 * rsv_pixel_error(first, second, desc, &unused);
 }
 
 /// Compares both halves with the same gathered. The difference, apart from noise, is the elements' error.
 static elements_look compare_spots(
-    const rsv_planner *p, const uint32_t *count, uint32_t rays, rsv_image *gathered[2])
+    const rsv_planner *p, const uint32_t *count, rsv_image *const gathered[2])
 {
     const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
     const rsv_image *const truth[2] = { gathered[0], gathered[1] };
-    const rsv_pixel_error_desc desc = { INFINITY, true, count };
-    elements_look look;
+    const rsv_pixel_error_desc desc = { INFINITY, stored, count };
+    elements_look look = { 0 };
     look.error = rsv_pixel_error(stored, truth, desc, &look.uncertainty);
-    double looked_up = noise_of(stored, count), noise = noise_of(truth, count);
-    look.gathered_noise = looked_up + rays * fmax(noise - looked_up, 0);
+    look.looked_up_noise = noise_of(p, stored, count);
     return look;
+}
+
+/// How noisy gather rays are, and what they leave, if pixels gather as the planner would have them.
+static rsv_status compare_gathering(rsv_planner *p, const uint32_t *count, uint32_t rays,
+    rsv_image *const all[2], elements_look *look)
+{
+    rsv_image *gathered[2] = { NULL, NULL };
+    rsv_status status = RSV_OK;
+    bool is_all = p->gathered == RSV_GATHERED_ALL;
+    if (!is_all) status = take_spots(p, count, rays, p->gathered, gathered);
+    if (status == RSV_OK) {
+        const rsv_image *const truth[2] = { all[0], all[1] };
+        const rsv_image *const some[2] = { is_all ? all[0] : gathered[0],
+            is_all ? all[1] : gathered[1] };
+        const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
+        const rsv_pixel_error_desc desc = { INFINITY, stored, count };
+        double uncertainty = 0;
+        double noise = fmax(noise_of(p, some, count) - look->looked_up_noise, 0);
+        look->gathered_noise = look->looked_up_noise + rays * noise;
+        look->kept = is_all ? 0 : rsv_pixel_error(some, truth, desc, &uncertainty);
+        look->kept = fmax(look->kept - uncertainty, 0);
+    }
+    rsv_image_destroy(gathered[0]);
+    rsv_image_destroy(gathered[1]);
+    return status;
 }
 
 /// @param count [height * width] samples of pixels to look at @param rays per camera ray
@@ -352,8 +398,9 @@ static rsv_status look_at_pixels(
     rsv_planner *p, const uint32_t *count, uint32_t rays, elements_look *look)
 {
     rsv_image *gathered[2] = { NULL, NULL };
-    rsv_status status = take_spots(p, count, rays, gathered);
-    if (status == RSV_OK) *look = compare_spots(p, count, rays, gathered);
+    rsv_status status = take_spots(p, count, rays, RSV_GATHERED_ALL, gathered);
+    if (status == RSV_OK) *look = compare_spots(p, count, gathered);
+    if (status == RSV_OK) status = compare_gathering(p, count, rays, gathered, look);
     rsv_image_destroy(gathered[0]);
     rsv_image_destroy(gathered[1]);
     return status;
@@ -367,7 +414,7 @@ static rsv_status look_at_elements(
     uint32_t *count = rsv_alloc(p->context, (size_t)width * height, sizeof *count);
     if (!count) return RSV_ERROR_MEMORY;
     rsv_choose_spots(
-        width, height, SPOTS, rsv_hash2(p->picture.seed, number), p->sum.half_samples, count);
+        width, height, SPOTS, rsv_hash2(p->picture.seed, number), 2 * p->sum.half_samples, count);
     rsv_status status = look_at_pixels(p, count, rays, look);
     rsv_free(p->context, count);
     return status;
@@ -381,13 +428,20 @@ static double known_elements_error(const rsv_planner *p)
     if (p->selected) return found;
     double spread = ELEMENTS_SHARE_SPREAD * p->wanted;
     double certain = spread * spread / (spread * spread + p->uncertainty * p->uncertainty);
-    return fmax(usual + certain * (found - usual), 0);
+    double least = p->picture.denoise ? FILTERED_ELEMENTS_SHARE * p->wanted : 0;
+    return fmax(usual + certain * (found - usual), least);
 }
 
-/// Relative MSE that is left for the noise of samples.
+/// Relative MSE that is left for the noise of samples by an error due to elements.
+static double noise_beside(const rsv_planner *p, double elements)
+{
+    double least = p->picture.denoise ? LEAST_FILTERED_NOISE_SHARE : LEAST_NOISE_SHARE;
+    return fmax(p->wanted - elements, least * p->wanted);
+}
+
 static double noise_allowed(const rsv_planner *p)
 {
-    return fmax(p->wanted - known_elements_error(p), LEAST_NOISE_SHARE * p->wanted);
+    return noise_beside(p, known_elements_error(p));
 }
 
 static uint32_t samples_needed(const rsv_planner *p)
@@ -414,17 +468,21 @@ static rsv_status judge_elements(rsv_planner *p)
     if (status != RSV_OK) return status;
     double doubt = BEYOND_GATHERING * look.uncertainty / (DOUBTFUL_SHARE * p->wanted);
     uint32_t rays = (uint32_t)fmin(ceil(FIRST_RAYS * doubt), most_rays(p));
-    if (rays > FIRST_RAYS) {
+    if (rays > FIRST_RAYS && !p->picture.denoise) {
         status = look_at_elements(p, rays, 1, &further);
         if (status != RSV_OK) return status;
         double share = (double)rays / (rays + FIRST_RAYS);
         look.error += share * (further.error - look.error);
         look.uncertainty = hypot((1 - share) * look.uncertainty, share * further.uncertainty);
         look.gathered_noise = further.gathered_noise;
+        look.looked_up_noise = further.looked_up_noise;
+        look.kept = further.kept;
     }
     p->plan.elements_error = BEYOND_GATHERING * fmax(look.error, 0);
     p->uncertainty = BEYOND_GATHERING * look.uncertainty;
+    p->gathered_left = GATHERED_LEFT * p->plan.elements_error + BEYOND_GATHERING * look.kept;
     p->gathered_noise = look.gathered_noise;
+    p->looked_up_noise = look.looked_up_noise;
     return RSV_OK;
 }
 
@@ -459,7 +517,7 @@ static double cost_of_samples(const rsv_planner *p, double noise, double allowed
 /// The same where elements leave little of the target to noise. INFINITY = the error would be too large.
 static double cost_of_accepting(const rsv_planner *p, double elements)
 {
-    double allowed = fmax(p->wanted - elements, LEAST_NOISE_SHARE * p->wanted);
+    double allowed = noise_beside(p, elements);
     double excess = fmax((elements + allowed) / p->wanted, 1);
     if (excess > TOLERANCE) return INFINITY;
     return pow(excess, EXCESS_POWER) * cost_of_samples(p, p->plan.noise, allowed, false);
@@ -473,11 +531,27 @@ static double cost_of_rows(const rsv_planner *p)
     return next.elements * next.rays * (double)report->row_rays + (double)report->rows * ROW_COST;
 }
 
+/// Relative MSE by noise if all pixels gather, with a gather ray for each of the camera rays there are.
+static double noise_of_gathering(const rsv_planner *p)
+{
+    double more = fmax(p->gathered_noise - p->looked_up_noise, 0);
+    return p->picture.denoise ? p->plan.noise + FILTERED_GATHERING * more : p->gathered_noise;
+}
+
+/// Cost of a picture with gather rays. INFINITY = the error would be too large, and a finer solution may follow.
+static double cost_of_gathering(const rsv_planner *p, bool is_last)
+{
+    double left = p->gathered_left;
+    if (left > ELEMENTS_SHARE * p->wanted && !is_last) return INFINITY;
+    double allowed = noise_beside(p, left);
+    return cost_of_samples(p, noise_of_gathering(p), allowed, true);
+}
+
 /// The remedy that costs least. @param is_last whether no finer solution may follow
 static remedy choose_remedy(const rsv_planner *p, bool is_last)
 {
     double accepted = cost_of_accepting(p, likely_elements_error(p));
-    double gathered = cost_of_samples(p, p->gathered_noise, p->wanted, true);
+    double gathered = cost_of_gathering(p, is_last);
     double refined = cost_of_rows(p) + cost_of_samples(p, p->plan.noise, p->wanted, false);
     if (is_last) refined = INFINITY;
     if (gathered < fmin(accepted, refined)) return GATHER;
@@ -490,8 +564,8 @@ static rsv_status begin_gathering(rsv_planner *p)
     forget_selection(p);
     p->picture.gather_rays = 1;
     p->plan.gathers = true;
-    p->plan.elements_error *= GATHERED_LEFT;
-    p->uncertainty *= GATHERED_LEFT;
+    p->uncertainty *= p->gathered_left / p->plan.elements_error;
+    p->plan.elements_error = p->gathered_left;
     return take_first(p);
 }
 
@@ -508,7 +582,7 @@ static rsv_status select_pixels(rsv_planner *p)
 {
     uint32_t rays = selecting_rays(p);
     rsv_image *gathered[2] = { NULL, NULL };
-    rsv_status status = take_spots(p, NULL, rays, gathered);
+    rsv_status status = take_spots(p, NULL, rays, RSV_GATHERED_ALL, gathered);
     if (status == RSV_OK) {
         p->selected = rsv_alloc(p->context, (size_t)p->picture.width * p->picture.height, 1);
         status = p->selected ? RSV_OK : RSV_ERROR_MEMORY;
@@ -533,7 +607,7 @@ static rsv_status judge_the_rest(rsv_planner *p)
     elements_look look;
     if (!count) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < pixels; k++)
-        count[k] = p->selected[k] ? 0 : p->sum.half_samples;
+        count[k] = p->selected[k] ? 0 : 2 * p->sum.half_samples;
     rsv_status status = look_at_pixels(p, count, selecting_rays(p), &look);
     rsv_free(p->context, count);
     if (status != RSV_OK) return status;
@@ -568,7 +642,7 @@ static rsv_status find_solution(rsv_planner *p)
         status = take_first(p);
         if (status == RSV_OK) status = judge_elements(p);
         if (status != RSV_OK || !elements_limit(p)) break;
-        status = gather_where_needed(p);
+        if (!p->picture.denoise) status = gather_where_needed(p);
         if (status != RSV_OK || !elements_limit(p)) break;
         bool was_stuck = p->is_stuck;
         p->is_stuck = p->plan.elements_error > LEAST_PROGRESS * before;
@@ -699,6 +773,7 @@ static rsv_status begin(const rsv_scene *scene, const rsv_plan_desc *desc,
         .light = light,
         .is_given = light != NULL,
         .started = rsv_seconds(),
+        .gathered = picture->denoise ? RSV_GATHERED_INDIRECT : RSV_GATHERED_ALL,
         .wanted = desc->relative_error * desc->relative_error };
     p->picture.noise = 0;
     p->plan.mode = RSV_RENDER_FINAL;

@@ -17,6 +17,8 @@ typedef struct rsv_planner {
     rsv_picture_series *series; ///< of passes with this light; NULL = none yet
     double started;             ///< as rsv_seconds counts
     double wanted;              ///< relative MSE
+    rsv_gathered gathered;      ///< by passes with gather rays
+    bool compares;              ///< passes are for comparing, not for the picture
     double uncertainty;         ///< standard error of plan.elements_error
     uint32_t passes;
     rsv_sample_sum sum;
@@ -25,6 +27,8 @@ typedef struct rsv_planner {
         selected; ///< [height * width] pixels that gather (selection.h); NULL = none were chosen for this light
     double
         gathered_noise; ///< relative MSE of the first passes, had they one gather ray per camera ray
+    double gathered_left;   ///< relative MSE by elements that would be left
+    double looked_up_noise; ///< the same as they are, without filter
     rsv_picture_plan plan;
 } rsv_planner;
 

@@ -77,16 +77,16 @@ static rsv_status part_sides(rsv_context *context, rsv_sample_sum *sum, size_t p
 rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double fall)
 {
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
-    double of_half = pow(sum->half_samples, -fall);
-    double more = (double)sum->samples / (2 * (double)sum->half_samples);
+    uint32_t first = 2 * sum->half_samples;
+    double to_one = rsv_error_of_halves(fall) * pow(first, fall), left = pow(sum->samples, -fall);
     if (sum->pixel) return RSV_OK;
     float *square = rsv_alloc(context, pixels, sizeof *square);
     sum->pixel = rsv_alloc(context, pixels, sizeof *sum->pixel);
     rsv_status status = square && sum->pixel ? RSV_OK : RSV_ERROR_MEMORY;
     if (status == RSV_OK) rsv_pixel_squares(sum->mean, sum->half[0], sum->half[1], square);
     for (size_t k = 0; status == RSV_OK && k < pixels; k++)
-        sum->pixel[k] = (rsv_summed_pixel){ sum->samples, 2 * sum->half_samples,
-            (float)(0.5 * square[k] / of_half), (float)(0.5 * of_half * pow(more, -fall)) };
+        sum->pixel[k] =
+            (rsv_summed_pixel){ sum->samples, first, (float)(to_one * square[k]), (float)left };
     rsv_free(context, square);
     return status == RSV_OK ? part_sides(context, sum, pixels) : status;
 }
@@ -95,7 +95,7 @@ double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewe
 {
     if (more == 0) return pixel->left;
     double share = renewed ? 1 : more / (pixel->taken + more);
-    double of_pair = more < 2 ? 1 : 2 * pow(0.5 * more, -fall) / 4;
+    double of_pair = more < 2 ? 1 : pow(more, -fall);
     return (1 - share) * (1 - share) * (double)pixel->left + share * share * of_pair;
 }
 
@@ -108,9 +108,9 @@ static void count_samples(
     pixel->taken += more;
     pixel->left = (float)left;
     if (more < 2) return;
-    double scale = pow(rsv_uneven_half(more, 0), -fall) + pow(rsv_uneven_half(more, 1), -fall);
+    double scale = rsv_error_of_halves(fall) * pow(more, fall);
     float share = (float)more / (float)(pixel->looks += more);
-    pixel->variance += share * ((float)(square / scale) - pixel->variance);
+    pixel->variance += share * ((float)(scale * (double)square) - pixel->variance);
 }
 
 /// One of the two passes, by the samples that each pixel has. @param before [pixels] of these
@@ -190,14 +190,24 @@ rsv_status rsv_sample_sum_finish(rsv_context *context, rsv_sample_sum *sum, rsv_
     return RSV_OK;
 }
 
+double rsv_filtered_noise(const rsv_sample_sum *sum)
+{
+    size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
+    double noise = 0;
+    for (size_t k = 0; k < pixels; k++)
+        noise += fmin((double)sum->filtered_error[k], RSV_MOST_OF_A_PIXEL);
+    return noise / (double)pixels;
+}
+
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
+    if (sum->filtered_error) return rsv_filtered_noise(sum);
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
     const rsv_pixel_error_desc each = { .most = RSV_MOST_OF_A_PIXEL };
     double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
-    return 0.25 * square * pow(more, -fall);
+    return rsv_error_of_halves(fall) * square * pow(more, -fall);
 }
 
 uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t most)
@@ -213,6 +223,8 @@ void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
         rsv_free(context, sum->side_samples[k]);
         rsv_image_destroy(sum->side[k]);
     }
+    rsv_free(context, sum->filtered_error);
+    rsv_free(context, sum->kept);
     rsv_free(context, sum->is_outline);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);

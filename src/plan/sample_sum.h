@@ -4,6 +4,8 @@
 
 #include "resolvent/render.h"
 
+#include <math.h>
+
 /// A pixel whose number of samples is its own.
 typedef struct rsv_summed_pixel {
     uint32_t taken; ///< samples in its mean
@@ -12,13 +14,18 @@ typedef struct rsv_summed_pixel {
     float left;     ///< part of this variance that its mean has
 } rsv_summed_pixel;
 
-/// Passes come in pairs of equally many samples: their difference gives the noise.
+/// Passes come in pairs, the halves of one stratified picture: their difference gives the noise. Where squared errors
+/// decrease with the power p of the samples, halves differ by more than independent ones would: by 4 (2^p - 1) times the
+/// squared error of their mean.
 typedef struct rsv_sample_sum {
     rsv_image *mean;    ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2]; ///< the first two passes
     rsv_image *side[2]; ///< sums of every other pass, with guides, if passes have them; NULL = none
     uint32_t *side_samples[2]; ///< [height * width] of these; NULL = half_samples
     rsv_summed_pixel *pixel;   ///< [height * width]; NULL = equally many samples in all
+    float *
+        filtered_error; ///< [height * width] relative squared error left by the filter; NULL = without it
+    float *kept; ///< [height * width] what part of the noise of samples that is; NULL = without it
     uint8_t
         *is_outline; ///< [height * width] pixels that get at least RSV_OUTLINE_SAMPLES; NULL = none
     uint32_t samples;      ///< of all passes, on average
@@ -43,15 +50,18 @@ typedef struct rsv_uneven_pair {
     double fall; ///< of errors
 } rsv_uneven_pair;
 
-/// Samples of one of the two passes.
+/// Samples of one of the two passes: of odd numbers, the first has more.
 static inline uint32_t rsv_uneven_half(uint32_t count, int half)
 {
-    return (count + (uint32_t)half) / 2;
+    return (count + 1 - (uint32_t)half) / 2;
 }
 
 /// Adds such passes, as above.
 rsv_status rsv_sample_sum_add_uneven(
     rsv_context *context, rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2]);
+
+/// Squared error of the mean of two halves relative to their squared difference.
+static inline double rsv_error_of_halves(double fall) { return 0.25 / (pow(2, fall) - 1); }
 
 /// Part of a sample's variance that is left in a pixel's mean after a pair of passes. The earlier samples do not judge
 /// the later ones: a pixel without sparks among a few samples would seem to have none among many.
@@ -67,6 +77,13 @@ double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewe
 /// requested error.
 #define RSV_STRATIFIED_FALL 1.2
 #define RSV_GATHERED_FALL 1.0
+
+/// Filters the picture, if passes have guides, to find the error that is left at each pixel. All noise is that of the
+/// filtered picture from then on. Call it again after each pass. Needs two passes.
+rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum);
+
+/// Relative MSE by noise of the filtered picture.
+double rsv_filtered_noise(const rsv_sample_sum *sum);
 
 /// The picture: filtered, if passes have guides and there are two of them.
 /// @param image out: of the passes' layers, guides left out

@@ -71,6 +71,8 @@ static rsv_status find_solution(rsv_planner *p, double seconds)
     return solve_until(p, now + SOLUTION_SHARE * (seconds - now));
 }
 
+static bool is_path_traced(const rsv_planner *p) { return p->picture.mode == RSV_RENDER_REFERENCE; }
+
 /// Two passes of one sample each, which show the noise, if there is time. @param of_one out: seconds per pass
 static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
 {
@@ -84,11 +86,9 @@ static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
         before += *of_one;
     }
     if (status == RSV_OK && p->sum.samples > 1)
-        p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
+        p->plan.noise = rsv_sample_sum_noise(&p->sum, is_path_traced(p) ? 1 : RSV_STRATIFIED_FALL);
     return status;
 }
-
-static bool is_path_traced(const rsv_planner *p) { return p->picture.mode == RSV_RENDER_REFERENCE; }
 
 /// Camera rays per pixel of the next pass. Each pass uses a part of the time left, so that the next one can make up for
 /// a pass that takes longer than expected. No last pass is taken that would be too short. Path-traced passes have whole
@@ -105,7 +105,7 @@ static rsv_status take_evenly(rsv_planner *p, double samples, double *taken)
 {
     *taken = samples;
     rsv_status status = rsv_planner_take(p, (uint32_t)samples);
-    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, RSV_STRATIFIED_FALL);
+    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, 1);
     return status;
 }
 

@@ -245,20 +245,17 @@ cleanup:
 }
 
 rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
-    const uint32_t *count, rsv_image **image)
+    const rsv_picture_pass *pass, rsv_image **image)
 {
     rsv_picture_job job = series->job;
-    job.count = count;
-    return take(series, desc, job, image);
-}
-
-rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, const uint8_t *where, rsv_image **image)
-{
-    rsv_picture_job job = series->job;
-    job.count = count;
-    job.where = where;
-    job.gathers_sources = !job.setting.cross_fog;
+    if (pass) {
+        job.count = pass->count;
+        job.where = pass->where;
+        job.gathers_sources = pass->gathered == RSV_GATHERED_ALL && !job.setting.cross_fog;
+        job.parts = pass->is_half ? 2 : 1;
+        job.part = pass->half;
+        job.gather_seed = pass->is_alone ? 1 + pass->half : 0;
+    }
     return take(series, desc, job, image);
 }
 
@@ -282,11 +279,11 @@ static rsv_status take_filtered(
     rsv_status status = RSV_OK;
     rsv_image *half[2] = { NULL, NULL };
     rsv_render_desc even = *desc;
-    rsv_picture_job job = series->job;
     even.samples += desc->samples % 2;
-    job.parts = 2;
-    for (job.part = 0; job.part < 2; job.part++)
-        RSV_TRY(take(series, &even, job, &half[job.part]));
+    for (uint32_t k = 0; k < 2; k++) {
+        const rsv_picture_pass pass = { .is_half = true, .half = k };
+        RSV_TRY(rsv_picture_series_take(series, &even, &pass, &half[k]));
+    }
     RSV_TRY(rsv_picture_filter(series->job.solution->context, half, image));
 cleanup:
     rsv_image_destroy(half[0]);

@@ -4,7 +4,12 @@
 
 #include "picture_guides.h"
 
-/// Filters the mean of two pictures with guides, of the same view and with independent noise.
+/// Filters two pictures with guides, of the same view and with independent noise, each by the other.
+/// @param filtered out: of one layer each
+rsv_status rsv_picture_filter_halves(
+    rsv_context *context, rsv_image *const half[2], rsv_image *filtered[2]);
+
+/// The mean of the filtered pictures.
 /// @param image out: of one layer
 rsv_status rsv_picture_filter(rsv_context *context, rsv_image *const half[2], rsv_image **image);
 

@@ -13,19 +13,34 @@ rsv_status rsv_picture_series_create(
 /// @param series NULL is allowed
 void rsv_picture_series_destroy(rsv_picture_series *series);
 
+/// Where gather rays bring light, and what they bring.
+typedef enum rsv_gathered {
+    /// Indirect light, if the description has gather rays. What elements store of light from sources (that no shadow
+    /// ray finds) is looked up, with the elements' error.
+    RSV_GATHERED_INDIRECT,
+    /// That light too, except caustics that no gather ray can find and light in fog: noisier, but without that error
+    RSV_GATHERED_ALL
+} rsv_gathered;
+
+/// One of the pictures. All zero: one like any other.
+typedef struct rsv_picture_pass {
+    const uint32_t *
+        count; ///< [height * width] camera rays of each pixel, borrowed; NULL: the same number in all
+    const uint8_t *where; ///< [height * width] 1 for pixels that gather, borrowed; NULL = all
+    rsv_gathered gathered;
+    bool
+        is_half; ///< whether it has every other one of the camera rays: the two halves make one stratified picture
+    uint32_t half; ///< which: 0, the larger one of odd numbers, or 1
+    bool
+        is_alone; ///< gather rays of the halves are independent: no correlation of their noise, which is larger together
+} rsv_picture_pass;
+
 /// Renders one of the pictures.
 /// @param desc may differ from that at creation in samples, noise, gather rays, layers and seed; with a count, its mean
-/// as samples, without noise and shared pattern
-/// @param count [height * width] camera rays of each pixel, borrowed; pixels without any must not be used. NULL: the
-/// same number in all
+/// as samples, without noise and shared pattern. Pixels without samples must not be used
+/// @param pass NULL = all zero
 rsv_status rsv_picture_series_take(const rsv_picture_series *series, const rsv_render_desc *desc,
-    const uint32_t *count, rsv_image **image);
-
-/// The same with gather rays that bring all light of sources too that elements store, except caustics that no gather
-/// ray can find and light in fog: noisier, but without the elements' error in it.
-/// @param where [height * width] 1 for pixels that gather, 0 for those that look light up; NULL = all gather
-rsv_status rsv_picture_series_take_gathered(const rsv_picture_series *series,
-    const rsv_render_desc *desc, const uint32_t *count, const uint8_t *where, rsv_image **image);
+    const rsv_picture_pass *pass, rsv_image **image);
 
 /// Marks pixels that outlines cross (outlines.h).
 /// @param picture of the series; it may be noisy @param is_outline [height * width] out

@@ -180,9 +180,10 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
                 rsv_width_of_sample(path->width, r->sample)));
     const rsv_surface_point *point = &receiver.point;
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
+    uint32_t seed = rsv_hash2(r->sample.seed, 11 + r->job->gather_seed);
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
-        rsv_stratified_2d(r->sample.index * rays + k, total, rsv_hash2(r->sample.seed, 11), &x, &y);
+        rsv_stratified_2d(r->sample.index * rays + k, total, seed, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction = v3_turned_to(point->normal, d);
         rsv_ray ray = { rsv_receiver_start(&receiver, direction), direction, INFINITY };

@@ -184,11 +184,12 @@ static rsv_image *gathered_picture(const planned *p, const rsv_render_desc *pict
     rsv_picture_series *series;
     rsv_image *image;
     rsv_render_desc desc = *picture;
+    const rsv_picture_pass pass = { .gathered = RSV_GATHERED_ALL };
     desc.samples = 16;
     desc.gather_rays = 32;
     assert_int_equal(rsv_picture_series_create(p->light, &desc, &series), RSV_OK);
     assert_false(rsv_picture_series_keeps_caustics(series));
-    assert_int_equal(rsv_picture_series_take_gathered(series, &desc, NULL, NULL, &image), RSV_OK);
+    assert_int_equal(rsv_picture_series_take(series, &desc, &pass, &image), RSV_OK);
     rsv_picture_series_destroy(series);
     return image;
 }
@@ -260,8 +261,7 @@ static double error_at_spots(
     }
     const rsv_image *const a[2] = { stored, stored };
     const rsv_image *const b[2] = { gathered[0], gathered[1] };
-    double error =
-        rsv_pixel_error(a, b, (rsv_pixel_error_desc){ INFINITY, true, spots }, uncertainty);
+    double error = rsv_pixel_error(a, b, (rsv_pixel_error_desc){ INFINITY, a, spots }, uncertainty);
     rsv_image_destroy(stored);
     rsv_image_destroy(gathered[0]);
     rsv_image_destroy(gathered[1]);
