@@ -1,6 +1,8 @@
 /// Light that follows moving objects: patched rows compared with new ones, motions there and back, moments compared
 /// with new solves, and unsupported motions.
 #include "light_fixture.h"
+
+#include "direct/photon_log.h"
 #include "light_view.h"
 #include "operator/tracked_rows.h"
 #include "resolvent/render.h"
@@ -178,16 +180,11 @@ static void pictures_miss_no_bounce(void **state)
 
 #define PROBE_SIDE 24
 
-static double mean_at(const rsv_light *light, const rsv_probe *probe, size_t count)
-{
-    rsv_probe_reading reading[PROBE_SIDE * PROBE_SIDE];
-    const rsv_probe_desc desc = { .size = sizeof desc, .mode = RSV_PROBE_LOOKUP, .samples = 16 };
-    double sum = 0;
-    assert_int_equal(rsv_probe_irradiance(light, &desc, probe, count, reading), RSV_OK);
-    for (size_t k = 0; k < count; k++)
-        sum += (double)rgb_luminance(reading[k].irradiance);
-    return sum / (double)count;
-}
+/// Probes just above what stands below a grid of places in the air.
+typedef struct probe_grid {
+    rsv_probe probe[PROBE_SIDE * PROBE_SIDE];
+    size_t count;
+} probe_grid;
 
 /// Place k of a grid in the air. @param part of the scene along x, from its lower end
 static rsv_vec3 place_in_air(const rsv_light *light, float part, int k)
@@ -199,30 +196,63 @@ static rsv_vec3 place_in_air(const rsv_light *light, float part, int k)
     return v3_add(low, v3(part * x * size.x, 0.7f * size.y, z * size.z));
 }
 
-/// Mean irradiance at the places nearest to points in the air, on the floor and what stands on it.
-static double mean_below(const rsv_light *light, float part)
+/// Whether a hit from above is one from inside a body.
+static bool is_below_its_face(const rsv_scene_view *view, uint32_t triangle)
 {
-    rsv_probe probe[PROBE_SIDE * PROBE_SIDE];
-    for (int k = 0; k < PROBE_SIDE * PROBE_SIDE; k++)
-        probe[k] = (rsv_probe){ place_in_air(light, part, k), { 0, 1, 0 } };
-    return mean_at(light, probe, PROBE_SIDE * PROBE_SIDE);
+    const uint32_t *corner = view->triangle[triangle];
+    const rsv_vec3 *at = view->position;
+    rsv_vec3 normal;
+    return rsv_triangle_normal(at[corner[0]], at[corner[1]], at[corner[2]], &normal) &&
+           normal.y < 0;
 }
 
-/// The same straight below them: where little light enters, the corner of a stool is nearest to many, and the mean would
-/// hang on its one node.
-static double mean_straight_below(const rsv_light *light, float part)
+/// Places inside a body have none. @param without the object that they must not be on; RSV_NONE = they may be anywhere
+static probe_grid probes_below(const rsv_light *light, float part, uint32_t without)
 {
-    rsv_probe probe[PROBE_SIDE * PROBE_SIDE];
-    size_t count = 0;
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(light));
+    probe_grid grid = { .count = 0 };
     for (int k = 0; k < PROBE_SIDE * PROBE_SIDE; k++) {
         rsv_vec3 at = place_in_air(light, part, k);
         const rsv_ray ray = { .origin = at, .direction = { 0, -1, 0 }, .t_max = INFINITY };
         rsv_hit hit;
         if (!rsv_tracer_closest(inside(light)->tracer, &ray, &hit)) continue;
-        probe[count++] = (rsv_probe){ v3(at.x, at.y - hit.t + 1e-4f, at.z), { 0, 1, 0 } };
+        if (view->triangle_object[hit.triangle] == without) continue;
+        if (is_below_its_face(view, hit.triangle)) continue;
+        grid.probe[grid.count++] = (rsv_probe){ v3(at.x, at.y - hit.t + 1e-4f, at.z), { 0, 1, 0 } };
     }
-    assert_true(count > PROBE_SIDE * PROBE_SIDE / 2);
-    return mean_at(light, probe, count);
+    assert_true(grid.count > PROBE_SIDE * PROBE_SIDE / 2);
+    return grid;
+}
+
+static double mean_read(const rsv_light *light, const probe_grid *grid, rsv_probe_desc desc)
+{
+    rsv_probe_reading reading[PROBE_SIDE * PROBE_SIDE];
+    double sum = 0;
+    desc.size = sizeof desc;
+    assert_int_equal(rsv_probe_irradiance(light, &desc, grid->probe, grid->count, reading), RSV_OK);
+    for (size_t k = 0; k < grid->count; k++)
+        sum += (double)rgb_luminance(reading[k].irradiance);
+    return sum / (double)grid->count;
+}
+
+/// Mean irradiance below places in the air, on the floor and what stands on it, as it is stored: with the errors of
+/// elements, which lights have that were divided at different moments.
+static double mean_without(const rsv_light *light, float part, uint32_t without)
+{
+    probe_grid grid = probes_below(light, part, without);
+    return mean_read(light, &grid, (rsv_probe_desc){ .mode = RSV_PROBE_LOOKUP, .samples = 16 });
+}
+
+static double mean_below(const rsv_light *light, float part)
+{
+    return mean_without(light, part, RSV_NONE);
+}
+
+/// The same, gathered once through the light: nearly without the errors of the elements at these places.
+static double mean_gathered(const rsv_light *light, float part, uint32_t rays)
+{
+    probe_grid grid = probes_below(light, part, RSV_NONE);
+    return mean_read(light, &grid, (rsv_probe_desc){ .mode = RSV_PROBE_OPERATOR, .samples = rays });
 }
 
 /// RMS difference of the direct light of two lights on faces that stay, over its RMS.
@@ -394,18 +424,27 @@ static rsv_light *move_in_part(const stage *s)
     return light;
 }
 
-/// Compares means, and direct light point by point, which is noisy at the edges of shadows.
-static void check_alike(const stage *s, const rsv_light *whole, const rsv_light *part,
-    double mean_tolerance, double tolerance)
+/// How far two lights may be apart.
+typedef struct tolerances {
+    double stored, gathered; ///< of means
+    double direct;    ///< of direct light, point by point, which is noisy at the edges of shadows
+    uint32_t without; ///< object whose own light does not count in the stored mean
+} tolerances;
+
+static void check_alike(
+    const stage *s, const rsv_light *whole, const rsv_light *part, tolerances tolerance)
 {
-    double a = mean_below(whole, 1), b = mean_below(part, 1);
     double apart = difference_of_direct(whole, part, s->object);
-    if (fabs(a / b - 1) > mean_tolerance) fail_msg("mean %g with a limit, not %g", b, a);
-    if (apart > tolerance) fail_msg("direct light with a limit: RMS difference %g", apart);
+    double stored =
+        mean_without(part, 1, tolerance.without) / mean_without(whole, 1, tolerance.without) - 1;
+    double gathered = mean_gathered(part, 1, 64) / mean_gathered(whole, 1, 64) - 1;
+    if (fabs(stored) > tolerance.stored) fail_msg("stored light is off by %g", stored);
+    if (fabs(gathered) > tolerance.gathered) fail_msg("gathered light is off by %g", gathered);
+    if (apart > tolerance.direct) fail_msg("direct light: RMS difference %g", apart);
 }
 
-/// Rows of a moving object whose light is computed in turns are those of one that had no limit, once it rests. Shadows
-/// are nearly up to date on the way.
+/// Rows of a moving object whose light is computed in turns are those of one that had no limit, once it rests. On the
+/// way, the object takes the light along that it had, but shadows and all light elsewhere are nearly up to date.
 static void what_waits_is_computed_in_its_turn(void **state)
 {
     (void)state;
@@ -414,16 +453,17 @@ static void what_waits_is_computed_in_its_turn(void **state)
     rsv_light *whole = solve(s.scene, &desc), *part = move_in_part(&s);
     follow(whole, &s, on_the_way(&s, 0));
     follow(whole, &s, on_the_way(&s, 1));
-    check_alike(&s, whole, part, 0.01, 0.03);
+    check_alike(&s, whole, part, (tolerances){ 0.005, 0.005, 0.03, s.object });
     for (size_t waiting = 8; waiting > 0;) {
         size_t now = follow_in_part(part, &s, 1);
         assert_int_equal(now, waiting - 2);
         waiting = now;
     }
+    check_alike(&s, whole, part, (tolerances){ 1e-3, 1e-5, 0.03, RSV_NONE });
     follow(whole, &s, on_the_way(&s, 1));
     follow(part, &s, on_the_way(&s, 1)); // at rest: divided alike
     check_rows(whole, part);
-    check_alike(&s, whole, part, 1e-3, 5e-3);
+    check_alike(&s, whole, part, (tolerances){ 1e-3, 1e-5, 5e-3, RSV_NONE });
     rsv_light_destroy(whole);
     rsv_light_destroy(part);
     close_stage(&s);
@@ -445,7 +485,7 @@ static void what_waits_comes_to_rest_at_once(void **state)
     follow(whole, &s, on_the_way(&s, 1));
     follow(part, &s, on_the_way(&s, 1));
     check_rows(whole, part);
-    check_alike(&s, whole, part, 1e-3, 5e-3);
+    check_alike(&s, whole, part, (tolerances){ 1e-3, 1e-5, 5e-3, RSV_NONE });
     rsv_light_destroy(whole);
     rsv_light_destroy(part);
     rsv_light_destroy(other);
@@ -468,17 +508,82 @@ static void rays_take_eight_bytes_at_most(void **state)
     close_stage(&s);
 }
 
+// ---- photons --------------------------------------------------------------------------------------
+
+static void enclose(const rsv_light *light, uint32_t object, rsv_scene_change *change)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(light));
+    rsv_vec3 low = v3(INFINITY, INFINITY, INFINITY), high = v3_scale(low, -1);
+    for (size_t t = 0; t < view->triangle_count; t++)
+        for (int k = 0; k < 3 && view->triangle_object[t] == object; k++) {
+            low = v3_min(low, view->position[view->triangle[t][k]]);
+            high = v3_max(high, view->position[view->triangle[t][k]]);
+        }
+    const rsv_vec3 margin = v3(1e-3f, 1e-3f, 1e-3f);
+    rsv_scene_change_add(change, v3_sub(low, margin), v3_add(high, margin), false);
+}
+
+/// Deposits photons on the elements of a light, in the scene of another. @return rays
+static uint64_t land(rsv_photon_log *log, const rsv_light *on, const rsv_light *in,
+    const rsv_scene_change *change, rsv_photon_map *map)
+{
+    uint64_t rays = 0;
+    const rsv_elements *elements = inside(on)->elements;
+    const rsv_photon_targets targets = { &elements, map, 1 };
+    rsv_status status = rsv_photon_log_deposit(
+        log, &inside(in)->scene, inside(in)->lights, change, &targets, &rays);
+    assert_int_equal(status, RSV_OK);
+    return rays;
+}
+
+/// Photons whose paths a motion does not meet land where they would land if all were shot again.
+static void photons_that_meet_nothing_are_kept(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 20000 };
+    stage s = open_stage("cornell-spheres", "front sphere");
+    rsv_solve_desc desc = smaller_desc();
+    desc.photon_count = 1000;
+    rsv_scene *there = moved(&s, motion_of(&s, v3(0.05f, 0.03f, -0.05f), 0, 0, 0));
+    rsv_light *light[2] = { solve(s.scene, &desc), solve(there, &desc) };
+    rsv_scene_change change = { .count = 0 }, all = { .count = 0 };
+    rsv_photon_map map[3];
+    rsv_photon_log *log = NULL;
+    uint64_t rays = 0;
+    for (int k = 0; k < 2; k++)
+        enclose(light[k], s.object, &change);
+    rsv_scene_change_add(&all, v3(-99, -99, -99), v3(99, 99, 99), false);
+    assert_int_equal(rsv_photon_log_create(&inside(light[0])->scene, inside(light[0])->lights,
+                         PHOTONS, 1, &log, &rays),
+        RSV_OK);
+    rays = land(log, light[0], light[0], &change, &map[0]);
+    uint64_t some = land(log, light[0], light[1], &change, &map[1]),
+             whole = land(log, light[0], light[1], &all, &map[2]);
+    if (!(some < whole / 2)) fail_msg("%zu rays, %zu in all", (size_t)some, (size_t)whole);
+    size_t bytes = inside(light[0])->elements->node_count * sizeof *map->flux;
+    assert_memory_equal(map[1].flux, map[2].flux, bytes);
+    assert_memory_not_equal(map[0].flux, map[1].flux, bytes);
+    for (int k = 0; k < 3; k++)
+        rsv_photon_map_destroy(&map[k]);
+    rsv_photon_log_destroy(log);
+    rsv_light_destroy(light[0]);
+    rsv_light_destroy(light[1]);
+    rsv_scene_destroy(there);
+    close_stage(&s);
+}
+
 // ---- light ----------------------------------------------------------------------------------------
 
 /// Random positions of an object: means of light that follows compared with those of new solves.
-/// @return mean difference, relative to the light
-static double mean_difference(const char *scene, const char *object, rsv_vec3 reach, int count)
+/// @return mean difference, relative to the light: stored and gathered
+static void find_differences(
+    const char *scene, const char *object, rsv_vec3 reach, int count, double difference[2])
 {
     stage s = open_stage(scene, object);
     const rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_light *light = solve(s.scene, &desc);
     rsv_random random = rsv_random_from(5, 6, 7);
-    double sum = 0;
+    difference[0] = difference[1] = 0;
     for (int k = 0; k < count; k++) {
         rsv_vec3 shift = v3(reach.x * rsv_random_float(&random),
             reach.y * rsv_random_float(&random), reach.z * rsv_random_float(&random));
@@ -486,22 +591,27 @@ static double mean_difference(const char *scene, const char *object, rsv_vec3 re
         rsv_scene *there = moved(&s, motion);
         follow(light, &s, motion);
         rsv_light *fresh = solve(there, &desc);
-        double mine = mean_below(light, 1), wanted = mean_below(fresh, 1);
-        if (fabs(mine / wanted - 1) > 0.01)
-            fail_msg("%s, place %d: %g, not %g", scene, k, mine, wanted);
-        sum += mine / wanted - 1;
+        double apart[2] = { mean_below(light, 1) / mean_below(fresh, 1) - 1,
+            mean_gathered(light, 1, 64) / mean_gathered(fresh, 1, 64) - 1 };
+        for (int j = 0; j < 2; j++) {
+            if (fabs(apart[j]) > 0.01) fail_msg("%s, place %d: off by %g", scene, k, apart[j]);
+            difference[j] += apart[j] / count;
+        }
         rsv_light_destroy(fresh);
         rsv_scene_destroy(there);
     }
     rsv_light_destroy(light);
     close_stage(&s);
-    return sum / count;
 }
 
 static void check_difference(const char *scene, const char *object, rsv_vec3 reach, int count)
 {
-    double difference = mean_difference(scene, object, reach, count);
-    if (fabs(difference) > 0.002) fail_msg("%s: off by %.3f %%", scene, 100 * difference);
+    double difference[2];
+    find_differences(scene, object, reach, count, difference);
+    for (int k = 0; k < 2; k++)
+        if (fabs(difference[k]) > 0.002)
+            fail_msg("%s: %s off by %.3f %%", scene, k ? "gathered light is" : "stored light is",
+                100 * difference[k]);
 }
 
 static void light_is_that_of_solves(void **state)
@@ -530,6 +640,17 @@ static rsv_scene *open_door(const stage *s, float angle)
     return moved(s, motion_of(s, v3(0, 0, 0), shut - angle, 0, -0.43f));
 }
 
+/// Compares light that follows with a new solve. Stored light of a solve has errors of its own where light is steep, in
+/// the doorway: it is 2 % too bright there at this quality, beside paths; what is gathered through it is not.
+static void check_door(
+    const rsv_light *light, const rsv_light *fresh, const char *when, double most)
+{
+    double stored = mean_below(light, 0.5f) / mean_below(fresh, 0.5f) - 1,
+           gathered = mean_gathered(light, 0.5f, 256) / mean_gathered(fresh, 0.5f, 256) - 1;
+    if (fabs(stored) > 0.05) fail_msg("%s: stored light is off by %g", when, stored);
+    if (fabs(gathered) > most) fail_msg("%s: gathered light is off by %g", when, gathered);
+}
+
 /// A door that opens, nearly shut at first: light floods the dark room.
 static void doors_let_light_in(void **state)
 {
@@ -542,23 +663,18 @@ static void doors_let_light_in(void **state)
     desc.light_samples *= 4;
     rsv_scene *shut = open_door(&s, 0.02f);
     rsv_light *light = solve(shut, &desc);
-    double before = mean_straight_below(light, 0.5f), mine = 0, sum = 0;
+    double before = mean_below(light, 0.5f);
     for (int k = 0; k < MOMENTS; k++) {
         rsv_scene *there = open_door(&s, angle[k]);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
         rsv_light *fresh = solve(there, &desc);
-        double wanted = mean_straight_below(fresh, 0.5f);
-        mine = mean_straight_below(light, 0.5f);
-        if (fabs(mine / wanted - 1) > 0.05) fail_msg("%d: %g, not %g", k, mine, wanted);
-        assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK); // it rests
-        mine = mean_straight_below(light, 0.5f);
-        if (fabs(mine / wanted - 1) > 0.03) fail_msg("%d, at rest: %g, not %g", k, mine, wanted);
-        sum += mine / wanted - 1;
+        check_door(light, fresh, "moving", 0.005);
+        assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
+        check_door(light, fresh, "at rest", 0.005);
         rsv_light_destroy(fresh);
         rsv_scene_destroy(there);
     }
-    if (fabs(sum) > 0.01 * MOMENTS) fail_msg("at rest: off by %.2f %%", 100 * sum / MOMENTS);
-    assert_true(mine > before);
+    assert_true(mean_below(light, 0.5f) > before);
     rsv_light_destroy(light);
     rsv_scene_destroy(shut);
     close_stage(&s);
@@ -719,6 +835,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_waits_is_computed_in_its_turn),
         cmocka_unit_test(what_waits_comes_to_rest_at_once),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
+        cmocka_unit_test(photons_that_meet_nothing_are_kept),
         cmocka_unit_test(orders_end_at_rounding),
         cmocka_unit_test(other_scenes_are_refused),
         cmocka_unit_test(meshes_that_deform_are_followed),
