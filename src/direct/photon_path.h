@@ -69,9 +69,10 @@ RSV_INLINE bool rsv_photon_arrive(
     return rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)]);
 }
 
-/// Photon `index` of `count` from source `id`, at its first surface. False if it is of no use.
-RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source *source,
-    uint32_t id, uint32_t index, uint32_t count, rsv_photon *photon)
+/// Photon `index` of `count` from source `id`, as it leaves.
+RSV_INLINE rsv_photon_emission rsv_photon_set_out(const rsv_shooting *s,
+    const rsv_photon_source *source, uint32_t id, uint32_t index, uint32_t count,
+    rsv_photon *photon)
 {
     float x, y;
     photon->random = rsv_random_from(s->seed ^ 0x3c6ef35fu, id, index);
@@ -81,6 +82,14 @@ RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source 
         rsv_photon_emit(s->origins, source->first, source->count, x, y, &photon->random);
     photon->flux = rgb_scale(e.flux, 1 / (density * (float)count));
     photon->level = 0;
+    return e;
+}
+
+/// The same at its first surface. False if it is of no use.
+RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source *source,
+    uint32_t id, uint32_t index, uint32_t count, rsv_photon *photon)
+{
+    rsv_photon_emission e = rsv_photon_set_out(s, source, id, index, count, photon);
     return rsv_photon_arrive(s->scene, &e, &photon->path);
 }
 
@@ -156,9 +165,9 @@ RSV_INLINE bool rsv_photon_scatter(const rsv_transport_scene *scene, rsv_specula
     return false;
 }
 
-/// Adds the part of a photon's flux that enters the surface to the maps.
-RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_specular_path *path,
-    rsv_rgb flux, const rsv_photon_map *map, size_t map_count)
+/// The part of a photon's flux that enters the surface where it lands.
+RSV_INLINE rsv_rgb rsv_photon_enter(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rgb flux)
 {
     rsv_vec3 shading, geometric;
     rsv_bsdf storage;
@@ -166,7 +175,14 @@ RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_spec
     const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
     rsv_rgb entered = rgb_scale(rsv_bsdf_entry(bsdf, -v3_dot(shading, path->direction)),
         rsv_photon_tilt(shading, geometric, path->direction));
-    entered = rgb_mul(flux, entered);
+    return rgb_mul(flux, entered);
+}
+
+/// Adds that part to the maps.
+RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_specular_path *path,
+    rsv_rgb flux, const rsv_photon_map *map, size_t map_count)
+{
+    rsv_rgb entered = rsv_photon_enter(scene, path, flux);
     for (size_t m = 0; m < map_count; m++)
         rsv_photon_map_deposit(&map[m], path->back, path->triangle, path->u, path->v, entered);
 }

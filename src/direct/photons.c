@@ -1,22 +1,11 @@
-#include "photons.h"
+#include "photons_internal.h"
 
 #include "../core/parallel.h"
-#include "../core/team.h"
-#include "direct_constants.h"
 #include "shooting_device.h"
 
 #include <string.h>
 
-typedef struct rsv_photon_shooter {
-    const rsv_transport_scene *scene;
-    const rsv_lights *lights;
-    rsv_photon_origins origins;
-    rsv_photon_source source[OWN_GUIDES + 1];
-    size_t source_count;
-    rsv_shooting shooting;
-    const rsv_photon_sink *sink;
-    rsv_team_place place; ///< in the team whose processes take turns with chunks
-} photon_job;
+typedef rsv_photon_shooter photon_job;
 
 bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *lights)
 {
@@ -200,8 +189,8 @@ static rsv_status shoot_source(
     const rsv_photon_sink *sink = job->sink;
     source_job s = { .job = job, .id = id, .count = count, .done = done };
     s.share = job->source[id].share;
-    s.chunks = rsv_team_turns(
-        job->place, ((size_t)count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK);
+    s.chunks =
+        rsv_team_turns(job->place, ((size_t)count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK);
     size_t most = sink->collect ? rsv_photon_slots(context) : s.chunks;
     for (; s.first < s.chunks && !rsv_cancelled(context); s.first += most) {
         size_t left = s.chunks - s.first, slots = left < most ? left : most;
@@ -310,6 +299,25 @@ static void light_air(void *user, const rsv_ray *ray, rsv_rgb flux)
             rsv_photon_map_light_air(&maps->targets->map[m], maps->scene->tracer, ray, flux);
 }
 
+rsv_status rsv_photon_maps_create(
+    const rsv_photon_shooter *shooter, const rsv_photon_targets *targets)
+{
+    rsv_status status = RSV_OK;
+    double unit = fmax(total_flux(shooter), 1e-30) * 0x1p-44;
+    for (size_t m = 0; m < targets->count && status == RSV_OK; m++)
+        status = rsv_photon_map_create(
+            shooter->lights->context, targets->elements[m], unit, &targets->map[m]);
+    return status;
+}
+
+void rsv_photon_maps_finish(const rsv_photon_targets *targets)
+{
+    for (size_t m = 0; m < targets->count; m++) {
+        rsv_photon_map_unite(&targets->map[m]);
+        rsv_photon_map_settle(&targets->map[m]);
+    }
+}
+
 rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
     const rsv_photon_targets *targets, uint64_t *rays)
 {
@@ -320,9 +328,7 @@ rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count
     photon_job job = *shooter;
     job.sink = &sink;
     memset(maps, 0, targets->count * sizeof *maps);
-    for (size_t m = 0; m < targets->count; m++)
-        RSV_TRY(rsv_photon_map_create(job.lights->context, targets->elements[m],
-            fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
+    RSV_TRY(rsv_photon_maps_create(&job, targets));
     const rsv_device_shooting_desc deal = { .shooting = job.shooting,
         .lights = job.lights,
         .source = job.source,
@@ -334,10 +340,7 @@ rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count
     for (size_t m = 0; !done && m < targets->count; m++)
         rsv_photon_map_clear(&maps[m]); // removes photons of a device that failed
     if (!done) RSV_TRY(shoot_all(&job, count, rays));
-    for (size_t m = 0; m < targets->count; m++) {
-        rsv_photon_map_unite(&maps[m]);
-        rsv_photon_map_settle(&maps[m]);
-    }
+    rsv_photon_maps_finish(targets);
 cleanup:
     return status;
 }

@@ -279,11 +279,41 @@ cleanup:
     return status;
 }
 
+/// Kept photons: those of earlier motions, or new ones.
+static rsv_status open_log(level_follower *f)
+{
+    rsv_level_builder *b = &f->b;
+    rsv_photon_log **log = f->motion->photons;
+    uint32_t count = b->desc->photon_count, seed = b->desc->seed;
+    rsv_status status = RSV_OK;
+    if (!rsv_photon_log_fits(*log, b->scene, count, seed)) {
+        rsv_photon_log_destroy(*log);
+        *log = NULL;
+        status = rsv_photon_log_create(b->scene, b->lights, count, seed, log, b->rays);
+    }
+    b->log = *log;
+    b->met = f->motion->shafts->change;
+    return status;
+}
+
+/// Photons that are all shot, by new guides.
+static rsv_status open_shooter(level_follower *f)
+{
+    rsv_level_builder *b = &f->b;
+    rsv_photon_log **log = f->motion->photons;
+    if (log) {
+        rsv_photon_log_destroy(*log);
+        *log = NULL;
+    }
+    return rsv_photon_shooter_create(
+        b->scene, b->lights, b->desc->seed, NULL, &b->shooter, b->rays);
+}
+
 static rsv_status follow_caustics(level_follower *f)
 {
     rsv_level_builder *b = &f->b;
-    rsv_status status =
-        rsv_photon_shooter_create(b->scene, b->lights, b->desc->seed, NULL, &b->shooter, b->rays);
+    bool keeps = f->motion->photons && rsv_photons_can_be_kept(b->scene, f->motion->moved);
+    rsv_status status = keeps ? open_log(f) : open_shooter(f);
     return status == RSV_OK ? rsv_level_shoot(b, b->desc->photon_count) : status;
 }
 

@@ -172,9 +172,11 @@ rsv_status rsv_level_shoot(rsv_level_builder *b, uint32_t count)
     rsv_level_free_photons(b);
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
-    const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status = rsv_photons_deposit(
-        b->shooter, count, &(rsv_photon_targets){ targets, b->map, 2 }, b->rays);
+    const rsv_elements *elements[2] = { b->elements, b->coarse };
+    const rsv_photon_targets targets = { elements, b->map, 2 };
+    rsv_status status =
+        b->log ? rsv_photon_log_deposit(b->log, b->scene, b->lights, b->met, &targets, b->rays)
+               : rsv_photons_deposit(b->shooter, count, &targets, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }

@@ -5,7 +5,7 @@
 #define RSV_SOURCE_LEVEL_H
 
 #include "direct.h"
-#include "photons.h"
+#include "photon_log.h"
 
 #include "../update/light_shafts.h"
 
@@ -55,6 +55,7 @@ typedef struct rsv_level_motion {
     bool hasty;
     /// Only places whose draw number leaves the remainder `turn` when divided by `turns`, and what has moved; 0 = all.
     uint32_t turns, turn;
+    rsv_photon_log **photons; ///< kept from one motion to the next; NULL = they are not
 } rsv_level_motion;
 
 /// Takes a level to where its surfaces are now: in place, and with splits where new shadows end, none being undone.

@@ -19,6 +19,8 @@ typedef struct rsv_level_builder {
     uint8_t *known;              ///< [node_count] 1 where valid_points are known already
     uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
     rsv_photon_shooter *shooter; ///< of photons; NULL = none
+    rsv_photon_log *log;         ///< of kept photons, instead; NULL = none are
+    const rsv_scene_change *met; ///< boxes: which of them are shot again
     rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint8_t *split;       ///< [cell_count]

@@ -24,6 +24,7 @@ void rsv_light_set_basis(rsv_light *s, rsv_light_basis *basis)
 
 static void take_sources(rsv_light *s, rsv_light_sources *sources)
 {
+    rsv_following_forget_photons(s->following);
     rsv_light_sources_release(s->sources);
     s->sources = sources;
     rsv_light_publish(s);

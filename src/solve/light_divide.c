@@ -8,12 +8,20 @@
 
 #include <math.h>
 
+void rsv_following_forget_photons(rsv_following *f)
+{
+    if (!f) return;
+    rsv_photon_log_destroy(f->photons);
+    f->photons = NULL;
+}
+
 void rsv_following_destroy(rsv_context *context, rsv_following *f)
 {
     if (!f) return;
     rsv_elements_destroy(f->elements);
     rsv_elements_destroy(f->first);
     rsv_free(context, f->direct);
+    rsv_following_forget_photons(f);
     rsv_free(context, f->waits);
     rsv_free(context, f->caustics_moved);
     rsv_free(context, f);

@@ -7,6 +7,7 @@
 /// 3. Rows: rays that touch boxes are traced again (operator/tracked_rows.h). 4. Direct light: nodes are sampled again
 /// if a line from them to a source meets a box (update/light_shafts.h). The fine level is
 ///    split further there (direct/source_follow.c) and, once splits accumulate, built again (update/level_before.h).
+///    Photons that meet a box are shot again (direct/photon_log.h).
 /// 5. E = E0 + G K E is solved, starting from the previous E.
 #include "../core/device.h"
 #include "../core/parallel.h"
@@ -285,8 +286,13 @@ static rsv_status find_levels(motion *m)
     uint8_t *hidden = NULL;
     rsv_scene_change *undivided = &s->following->undivided;
     rsv_light_shafts near = m->shafts, shafts;
-    const rsv_level_motion moved = { m->moved, &near, s->sources->lights, m->whole,
-        s->following->waiting > 0, m->level.count, m->level.turn };
+    const rsv_level_motion moved = { .moved = m->moved,
+        .shafts = &near,
+        .lights = s->sources->lights,
+        .whole = m->whole,
+        .hasty = s->following->waiting > 0,
+        .turns = m->level.count,
+        .turn = m->level.turn };
     rsv_level_motion caustics;
     near.change = &m->level.change;
     bool turn = rsv_light_begin_caustics(m, &shafts, &caustics);

@@ -37,6 +37,9 @@ rsv_status rsv_light_begin(rsv_operator *op, rsv_light_sources *sources,
 /// @param following NULL is allowed
 void rsv_following_destroy(rsv_context *context, struct rsv_following *following);
 
+/// Frees the photons kept between motions: the sources are about to be others. @param following NULL is allowed
+void rsv_following_forget_photons(struct rsv_following *following);
+
 /// RSV_ERROR_SCENE where the light never dies out in the operator that it has now.
 rsv_status rsv_light_check_bounded(rsv_light *light);
 

@@ -39,6 +39,7 @@ typedef struct rsv_following {
     uint32_t calls;          ///< in which somebody had to wait
     uint8_t *caustics_moved; ///< [triangle_count] RSV_MOVE_TURN = it moved since then; NULL = none
     rsv_scene_change caustics_behind; ///< boxes of motions since then
+    rsv_photon_log *photons;          ///< those that caustics were computed from; NULL = not kept
     /// Boxes of motions since the last turns of coarse elements and of those of direct light, and which are next.
     rsv_scene_change coarse_behind[RSV_COARSE_TURNS], level_behind[RSV_LEVEL_TURNS];
     uint32_t coarse_turn, level_turn;

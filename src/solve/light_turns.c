@@ -105,9 +105,11 @@ bool rsv_light_begin_caustics(
     rsv_following *f = m->s->following;
     *shafts = m->shafts;
     shafts->change = &f->caustics_behind;
-    *motion = (rsv_level_motion){
-        .moved = f->caustics_moved, .shafts = shafts, .lights = m->s->sources->lights
-    };
+    if (m->shafts.all_light_changed || m->settles) rsv_following_forget_photons(f);
+    *motion = (rsv_level_motion){ .moved = f->caustics_moved,
+        .shafts = shafts,
+        .lights = m->s->sources->lights,
+        .photons = m->shafts.all_light_changed || m->settles ? NULL : &f->photons };
     return m->caustics;
 }
 

@@ -1,6 +1,8 @@
 /// Light that follows moving objects: patched rows compared with new ones, motions there and back, moments compared
 /// with new solves, and unsupported motions.
 #include "light_fixture.h"
+
+#include "direct/photon_log.h"
 #include "light_view.h"
 #include "operator/tracked_rows.h"
 #include "resolvent/render.h"
@@ -506,6 +508,70 @@ static void rays_take_eight_bytes_at_most(void **state)
     close_stage(&s);
 }
 
+// ---- photons --------------------------------------------------------------------------------------
+
+static void enclose(const rsv_light *light, uint32_t object, rsv_scene_change *change)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(light));
+    rsv_vec3 low = v3(INFINITY, INFINITY, INFINITY), high = v3_scale(low, -1);
+    for (size_t t = 0; t < view->triangle_count; t++)
+        for (int k = 0; k < 3 && view->triangle_object[t] == object; k++) {
+            low = v3_min(low, view->position[view->triangle[t][k]]);
+            high = v3_max(high, view->position[view->triangle[t][k]]);
+        }
+    const rsv_vec3 margin = v3(1e-3f, 1e-3f, 1e-3f);
+    rsv_scene_change_add(change, v3_sub(low, margin), v3_add(high, margin), false);
+}
+
+/// Deposits photons on the elements of a light, in the scene of another. @return rays
+static uint64_t land(rsv_photon_log *log, const rsv_light *on, const rsv_light *in,
+    const rsv_scene_change *change, rsv_photon_map *map)
+{
+    uint64_t rays = 0;
+    const rsv_elements *elements = inside(on)->elements;
+    const rsv_photon_targets targets = { &elements, map, 1 };
+    rsv_status status = rsv_photon_log_deposit(
+        log, &inside(in)->scene, inside(in)->lights, change, &targets, &rays);
+    assert_int_equal(status, RSV_OK);
+    return rays;
+}
+
+/// Photons whose paths a motion does not meet land where they would land if all were shot again.
+static void photons_that_meet_nothing_are_kept(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 20000 };
+    stage s = open_stage("cornell-spheres", "front sphere");
+    rsv_solve_desc desc = smaller_desc();
+    desc.photon_count = 1000;
+    rsv_scene *there = moved(&s, motion_of(&s, v3(0.05f, 0.03f, -0.05f), 0, 0, 0));
+    rsv_light *light[2] = { solve(s.scene, &desc), solve(there, &desc) };
+    rsv_scene_change change = { .count = 0 }, all = { .count = 0 };
+    rsv_photon_map map[3];
+    rsv_photon_log *log = NULL;
+    uint64_t rays = 0;
+    for (int k = 0; k < 2; k++)
+        enclose(light[k], s.object, &change);
+    rsv_scene_change_add(&all, v3(-99, -99, -99), v3(99, 99, 99), false);
+    assert_int_equal(rsv_photon_log_create(&inside(light[0])->scene, inside(light[0])->lights,
+                         PHOTONS, 1, &log, &rays),
+        RSV_OK);
+    rays = land(log, light[0], light[0], &change, &map[0]);
+    uint64_t some = land(log, light[0], light[1], &change, &map[1]),
+             whole = land(log, light[0], light[1], &all, &map[2]);
+    if (!(some < whole / 2)) fail_msg("%zu rays, %zu in all", (size_t)some, (size_t)whole);
+    size_t bytes = inside(light[0])->elements->node_count * sizeof *map->flux;
+    assert_memory_equal(map[1].flux, map[2].flux, bytes);
+    assert_memory_not_equal(map[0].flux, map[1].flux, bytes);
+    for (int k = 0; k < 3; k++)
+        rsv_photon_map_destroy(&map[k]);
+    rsv_photon_log_destroy(log);
+    rsv_light_destroy(light[0]);
+    rsv_light_destroy(light[1]);
+    rsv_scene_destroy(there);
+    close_stage(&s);
+}
+
 // ---- light ----------------------------------------------------------------------------------------
 
 /// Random positions of an object: means of light that follows compared with those of new solves.
@@ -769,6 +835,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_waits_is_computed_in_its_turn),
         cmocka_unit_test(what_waits_comes_to_rest_at_once),
         cmocka_unit_test(rays_take_eight_bytes_at_most),
+        cmocka_unit_test(photons_that_meet_nothing_are_kept),
         cmocka_unit_test(orders_end_at_rounding),
         cmocka_unit_test(other_scenes_are_refused),
         cmocka_unit_test(meshes_that_deform_are_followed),

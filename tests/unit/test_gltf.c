@@ -741,7 +741,7 @@ static void expect_good(fixture *f, const char *path)
     rsv_scene *scene = NULL;
     struct stat info;
     assert_int_equal(stat(path, &info), 0);
-    if (info.st_size > UNLESS_SANITIZED(INT64_MAX, 300000)) return;
+    if (info.st_size > UNLESS_SANITIZED(INT64_MAX, 250000)) return;
     rsv_status status = rsv_scene_load(f->context, path, &scene);
     if (status != RSV_OK) fail_msg("%s", rsv_last_error());
     const rsv_scene_view *view = rsv_scene_get_view(scene);

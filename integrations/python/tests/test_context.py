@@ -106,7 +106,7 @@ class Progress(unittest.TestCase):
     def test_progress_is_told(self):
         told = []
         context = Context(progress=lambda phase, fraction: told.append((phase, fraction)))
-        Scene.builtin("cornell-blocks", context=context).solve("draft")
+        Scene.builtin("cornell-blocks", context=context).solve("draft", **SMALL)
         self.assertIn("assemble", {phase for phase, _ in told})
         self.assertTrue(all(0 <= fraction <= 1 for _, fraction in told))
 
