@@ -30,30 +30,31 @@ static void find_error(const rsv_sample_sum *sum, rsv_image *const filtered[2], 
 {
     int width = (int)rsv_image_width(sum->mean), height = (int)rsv_image_height(sum->mean);
     size_t pixels = (size_t)width * (size_t)height;
-    rsv_pixel_squares(sum->mean, sum->side[0], sum->side[1], square);
+    for (size_t k = 0; k < pixels; k++)
+        square[k] = sum->pixel[k].variance * sum->pixel[k].left;
     average(square, width, height, sum->kept);
     rsv_pixel_squares(sum->mean, filtered[0], filtered[1], square);
     average(square, width, height, sum->filtered_error);
     for (size_t k = 0; k < pixels; k++) {
-        uint32_t samples = sum->pixel ? sum->pixel[k].taken : sum->samples;
-        float error = (1 + BLUR / (float)samples) * sum->filtered_error[k], before = sum->kept[k];
-        sum->kept[k] = before > error ? error / before : 1;
-        sum->filtered_error[k] = 0.25f * error;
+        float before = sum->kept[k];
+        sum->filtered_error[k] *= 0.25f * (1 + BLUR / (float)sum->pixel[k].taken);
+        sum->kept[k] = before > 0 ? sum->filtered_error[k] / before : 0;
     }
 }
 
-rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum)
+rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum, double fall)
 {
     if (!sum->side[0] || !sum->side[1]) return RSV_OK;
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
-    rsv_image *filtered[2];
-    rsv_status status = rsv_picture_filter_halves(context, sum->side, filtered);
-    if (status != RSV_OK) return status;
+    rsv_image *filtered[2] = { NULL, NULL };
     float *square = rsv_alloc(context, pixels, sizeof *square);
+    rsv_status status = RSV_OK;
     if (!sum->kept) sum->kept = rsv_alloc(context, pixels, sizeof *sum->kept);
     if (!sum->filtered_error)
         sum->filtered_error = rsv_alloc(context, pixels, sizeof *sum->filtered_error);
-    status = square && sum->kept && sum->filtered_error ? RSV_OK : RSV_ERROR_MEMORY;
+    if (!square || !sum->kept || !sum->filtered_error) status = RSV_ERROR_MEMORY;
+    if (status == RSV_OK) status = rsv_sample_sum_part(context, sum, fall);
+    if (status == RSV_OK) status = rsv_picture_filter_halves(context, sum->side, filtered);
     if (status == RSV_OK) find_error(sum, filtered, square);
     rsv_free(context, square);
     rsv_image_destroy(filtered[0]);

@@ -216,7 +216,8 @@ rsv_status rsv_planner_take_allocated(rsv_planner *p, const rsv_allocation *allo
     if (status == RSV_OK) {
         const rsv_uneven_pair pair = { allocation->extra, allocation->renewed, allocation->fall };
         status = rsv_sample_sum_add_uneven(p->context, &p->sum, &pair, pass);
-        if (status == RSV_OK) status = rsv_sample_sum_filter(p->context, &p->sum);
+        if (status == RSV_OK)
+            status = rsv_sample_sum_filter(p->context, &p->sum, allocation->fall);
     } else {
         rsv_image_destroy(pass[0]);
     }
@@ -310,7 +311,7 @@ static rsv_status take_first(rsv_planner *p)
     rsv_status status = rsv_planner_take(p, samples);
     if (status == RSV_OK) status = rsv_planner_take(p, samples);
     rsv_progress_part(p->context, NULL, 0);
-    if (status == RSV_OK) status = rsv_sample_sum_filter(p->context, &p->sum);
+    if (status == RSV_OK) status = rsv_sample_sum_filter(p->context, &p->sum, fall_of(p));
     if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum, fall_of(p));
     return status;
 }

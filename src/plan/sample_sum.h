@@ -79,8 +79,9 @@ double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewe
 #define RSV_GATHERED_FALL 1.0
 
 /// Filters the picture, if passes have guides, to find the error that is left at each pixel. All noise is that of the
-/// filtered picture from then on. Call it again after each pass. Needs two passes.
-rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum);
+/// filtered picture from then on. Call it again after each pass. Needs two passes, and makes the number of samples each
+/// pixel's own. @param fall of errors
+rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum, double fall);
 
 /// Relative MSE by noise of the filtered picture.
 double rsv_filtered_noise(const rsv_sample_sum *sum);

@@ -121,6 +121,41 @@ static void a_solution_that_is_there_is_used(void **state)
     world_end(w);
 }
 
+/// A filtered picture needs fewer samples for its error, which is that of the filtered picture.
+static void plans_count_on_the_filter(void **state)
+{
+    (void)state;
+    enum { size = 64 };
+    static const uint32_t layers[2] = { 0 };
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_light *light = NULL; // of the first picture
+    rsv_image *judge[2] = { path_traced(w, size, 128, 7), path_traced(w, size, 128, 8) };
+    const rsv_image *const pair[2] = { judge[0], judge[1] };
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    desc.relative_error = 0.05;
+    uint32_t samples[2];
+    for (int k = 0; k < 2; k++) {
+        rsv_render_desc picture = picture_desc(size);
+        rsv_image *image = NULL;
+        rsv_picture_plan plan;
+        rsv_image_judgement found;
+        picture.denoise = k == 1;
+        assert_int_equal(
+            rsv_render_planned(w->scene, &desc, &picture, &light, &image, &plan), RSV_OK);
+        assert_int_equal(rsv_image_judge(pair, layers, image, 0, &found), RSV_OK);
+        print_message("%u samples, noise %.5f, relative MSE %.5f +- %.5f\n", plan.samples,
+            plan.noise, found.relative_mse, found.relative_mse_error);
+        assert_true(found.relative_mse < 1.25 * 0.05 * 0.05 + found.relative_mse_error);
+        samples[k] = plan.samples;
+        rsv_image_destroy(image);
+    }
+    assert_true(samples[1] < samples[0]);
+    rsv_light_destroy(light);
+    rsv_image_destroy(judge[0]);
+    rsv_image_destroy(judge[1]);
+    world_end(w);
+}
+
 /// Not even a coarse solution fits into a millisecond: the picture is path traced.
 static void a_limit_of_time_always_has_a_picture(void **state)
 {
@@ -650,6 +685,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(gather_rays_bring_the_light_of_the_sky),
         cmocka_unit_test(pixels_gather_where_stored_light_is_wrong),
         cmocka_unit_test(samples_follow_the_noise),
+        cmocka_unit_test(plans_count_on_the_filter),
         cmocka_unit_test(samples_go_where_noise_is),
         cmocka_unit_test(outlines_get_enough_samples),
         cmocka_unit_test(nothing_is_solved_without_light),
