@@ -49,7 +49,8 @@ typedef struct rsv_picture_plan {
 
 /// Renders a planned picture in mode final. Solves with few elements, takes a few samples to measure noise, determines
 /// whether the solution or the samples limit the error, and refines that part.
-/// @param picture size, camera, layers and seed; the plan chooses the samples
+/// @param picture size, camera, layers, seed and denoise; the plan chooses the samples. The error of a picture that is
+/// denoised is that after the filter
 /// @param light in: a solution to use unchanged, or NULL; out: the solution used, NULL in mode reference
 /// @param plan out; may be NULL
 RSV_API rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
