@@ -403,7 +403,7 @@ static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
     bool sums = picture->mode == RSV_RENDER_OPERATOR && !picture->layers;
     size_t bytes = s->planned || picture->noise > 0 || sums ? 46 : 25;
     if (picture->layers) bytes += 120;
-    if (picture->denoise) bytes += s->planned ? 400 : 280;
+    if (picture->denoise) bytes += s->planned ? 470 : 320;
     return picture->width * (size_t)picture->height * bytes;
 }
 
