@@ -35,6 +35,21 @@ typedef struct rsv_planner {
 /// Solves by the planner's description, in place of its solution before.
 rsv_status rsv_planner_solve(rsv_planner *planner);
 
+/// Selected pixels are those of one solution.
+void rsv_planner_forget_selection(rsv_planner *planner);
+
+/// Power of the samples with which squared errors fall.
+double rsv_planner_fall(const rsv_planner *planner);
+
+/// Takes one pass of a pair, which are the halves of one stratified picture.
+/// @param samples of this pass, in each pixel or on average
+/// @param count [height * width] samples of each pixel in both passes, not of path traced ones; NULL = the same in all
+rsv_status rsv_planner_take_half(
+    rsv_planner *planner, uint32_t samples, const uint32_t *count, rsv_image **image);
+
+/// Takes the first two passes, which show the noise.
+rsv_status rsv_planner_take_first(rsv_planner *planner);
+
 /// Takes one more pass over the picture and adds it.
 rsv_status rsv_planner_take(rsv_planner *planner, uint32_t samples);
 
