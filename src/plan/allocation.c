@@ -193,9 +193,9 @@ double rsv_uneven_noise(const rsv_sample_sum *sum)
 {
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
     double noise = 0;
-    if (sum->filtered_error) return rsv_filtered_noise(sum);
     for (size_t k = 0; k < pixels; k++)
-        noise += (double)sum->pixel[k].variance * (double)sum->pixel[k].left;
+        noise += sum->filtered_error ? (double)sum->filtered_error[k]
+                                     : (double)sum->pixel[k].variance * (double)sum->pixel[k].left;
     return noise / (double)pixels;
 }
 

@@ -8,7 +8,7 @@
 #include "planner.h"
 
 /// Estimates the error of elements after the first two passes, more accurately if that does not decide whether they are
-/// good enough, and what gathering would bring.
+/// good enough (except in filtered pictures), and what gathering would bring.
 rsv_status rsv_judge_elements(rsv_planner *planner);
 
 /// Relative MSE by elements: as was found, as far as that is certain, otherwise as is usual. Where some pixels gather,

@@ -6,10 +6,12 @@
 #include "sample_sum.h"
 
 /// Squared error of a filtered picture of n samples: 1 + BLUR / n times what the difference of its halves shows, because
-/// they are filtered by each other, and the filter blurs.
+/// they are filtered by each other, and the filter blurs. Fitted to the hall, the white room and the staircase at 160x90
+/// with 2 to 16 samples, beside pictures of 64: estimates are 0.8 to 1.8 times what is found.
 #define BLUR 6.0f
-/// Two values say little about an error: those of pixels that far on either side count too.
-#define REACH 2
+/// Two values say little about an error, and the filter spreads the light of a spark: pixels that far on either side,
+/// as far as the filter reaches, count too.
+#define REACH 5
 
 /// Averages over the pixels around each pixel.
 static void average(const float *map, int width, int height, float *mean)
@@ -42,22 +44,28 @@ static void find_error(const rsv_sample_sum *sum, rsv_image *const filtered[2], 
     }
 }
 
+static rsv_status allocate(rsv_context *context, rsv_sample_sum *sum, size_t pixels)
+{
+    if (!sum->kept) sum->kept = rsv_alloc(context, pixels, sizeof *sum->kept);
+    if (!sum->filtered_error)
+        sum->filtered_error = rsv_alloc(context, pixels, sizeof *sum->filtered_error);
+    return sum->kept && sum->filtered_error ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
 rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum, double fall)
 {
     if (!sum->side[0] || !sum->side[1]) return RSV_OK;
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
-    rsv_image *filtered[2] = { NULL, NULL };
+    rsv_image *filtered[2];
     float *square = rsv_alloc(context, pixels, sizeof *square);
-    rsv_status status = RSV_OK;
-    if (!sum->kept) sum->kept = rsv_alloc(context, pixels, sizeof *sum->kept);
-    if (!sum->filtered_error)
-        sum->filtered_error = rsv_alloc(context, pixels, sizeof *sum->filtered_error);
-    if (!square || !sum->kept || !sum->filtered_error) status = RSV_ERROR_MEMORY;
+    rsv_status status = square ? allocate(context, sum, pixels) : RSV_ERROR_MEMORY;
     if (status == RSV_OK) status = rsv_sample_sum_part(context, sum, fall);
     if (status == RSV_OK) status = rsv_picture_filter_halves(context, sum->side, filtered);
-    if (status == RSV_OK) find_error(sum, filtered, square);
+    if (status == RSV_OK) {
+        find_error(sum, filtered, square);
+        rsv_image_destroy(sum->clean);
+        sum->clean = rsv_picture_of_halves(filtered);
+    }
     rsv_free(context, square);
-    rsv_image_destroy(filtered[0]);
-    rsv_image_destroy(filtered[1]);
     return status;
 }

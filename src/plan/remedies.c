@@ -30,7 +30,7 @@ static double cost_of_accepting(const rsv_planner *p, double elements)
 {
     double allowed = rsv_noise_beside(p, elements);
     double excess = fmax((elements + allowed) / p->wanted, 1);
-    if (excess > TOLERANCE) return INFINITY;
+    if (excess > TOLERANCE * TOLERANCE) return INFINITY;
     return pow(excess, EXCESS_POWER) * cost_of_samples(p, p->plan.noise, allowed, false);
 }
 

@@ -151,6 +151,8 @@ static void add_pair(rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_ima
 {
     size_t pixels = (size_t)rsv_image_width(pass[0]) * rsv_image_height(pass[0]);
     uint64_t all = 0;
+    rsv_image_destroy(sum->clean);
+    sum->clean = NULL;
     rsv_pixel_squares(sum->mean, pass[0], pass[1], square);
     for (size_t k = 0; k < pixels; k++)
         before[k] = uneven->renewed[k] > 0 ? 0 : sum->pixel[k].taken;
@@ -183,6 +185,11 @@ rsv_status rsv_sample_sum_add_uneven(
 
 rsv_status rsv_sample_sum_finish(rsv_context *context, rsv_sample_sum *sum, rsv_image **image)
 {
+    if (sum->clean) {
+        *image = sum->clean;
+        sum->clean = NULL;
+        return RSV_OK;
+    }
     if (sum->side[0] && sum->side[1]) return rsv_picture_filter(context, sum->side, image);
     if (rsv_has_guides(sum->mean)) return copy_layers(context, sum->mean, 1, image);
     *image = sum->mean;
@@ -190,7 +197,8 @@ rsv_status rsv_sample_sum_finish(rsv_context *context, rsv_sample_sum *sum, rsv_
     return RSV_OK;
 }
 
-double rsv_filtered_noise(const rsv_sample_sum *sum)
+/// The same of the filtered picture.
+static double filtered_noise(const rsv_sample_sum *sum)
 {
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
     double noise = 0;
@@ -201,7 +209,7 @@ double rsv_filtered_noise(const rsv_sample_sum *sum)
 
 double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
 {
-    if (sum->filtered_error) return rsv_filtered_noise(sum);
+    if (sum->filtered_error) return filtered_noise(sum);
     const rsv_image *const first[2] = { sum->half[0], sum->half[0] };
     const rsv_image *const second[2] = { sum->half[1], sum->half[1] };
     const rsv_pixel_error_desc each = { .most = RSV_MOST_OF_A_PIXEL };
@@ -225,6 +233,7 @@ void rsv_sample_sum_clear(rsv_context *context, rsv_sample_sum *sum)
     }
     rsv_free(context, sum->filtered_error);
     rsv_free(context, sum->kept);
+    rsv_image_destroy(sum->clean);
     rsv_free(context, sum->is_outline);
     rsv_image_destroy(sum->mean);
     rsv_image_destroy(sum->half[0]);

@@ -14,9 +14,8 @@ typedef struct rsv_summed_pixel {
     float left;     ///< part of this variance that its mean has
 } rsv_summed_pixel;
 
-/// Passes come in pairs, the halves of one stratified picture: their difference gives the noise. Where squared errors
-/// decrease with the power p of the samples, halves differ by more than independent ones would: by 4 (2^p - 1) times the
-/// squared error of their mean.
+/// Passes come in pairs, the halves of one stratified picture: their difference gives the noise. Halves err in opposite
+/// ways: see rsv_error_of_halves.
 typedef struct rsv_sample_sum {
     rsv_image *mean;    ///< weighted by samples; NULL = no pass yet
     rsv_image *half[2]; ///< the first two passes
@@ -25,6 +24,7 @@ typedef struct rsv_sample_sum {
     rsv_summed_pixel *pixel;   ///< [height * width]; NULL = equally many samples in all
     float *
         filtered_error; ///< [height * width] relative squared error left by the filter; NULL = without it
+    rsv_image *clean; ///< the filtered picture; NULL = not filtered since the last pass
     float *kept; ///< [height * width] what part of the noise of samples that is; NULL = without it
     uint8_t
         *is_outline; ///< [height * width] pixels that get at least RSV_OUTLINE_SAMPLES; NULL = none
@@ -60,7 +60,10 @@ static inline uint32_t rsv_uneven_half(uint32_t count, int half)
 rsv_status rsv_sample_sum_add_uneven(
     rsv_context *context, rsv_sample_sum *sum, const rsv_uneven_pair *uneven, rsv_image *pass[2]);
 
-/// Squared error of the mean of two halves relative to their squared difference.
+/// Squared error of the mean of two halves relative to their squared difference D^2, if errors decrease with the power p
+/// of the samples: 1 / (4 (2^p - 1)). This is exact for two samples. With n, halves are random choices of the strata, so
+/// that D^2 / 4 is (n^p - 1) / (n - 1) times the squared error: it counts too much at edges, and a fifth too little
+/// where p is 1 but taken for RSV_STRATIFIED_FALL.
 static inline double rsv_error_of_halves(double fall) { return 0.25 / (pow(2, fall) - 1); }
 
 /// Part of a sample's variance that is left in a pixel's mean after a pair of passes. The earlier samples do not judge
@@ -82,9 +85,6 @@ double rsv_variance_left(const rsv_summed_pixel *pixel, double more, bool renewe
 /// filtered picture from then on. Call it again after each pass. Needs two passes, and makes the number of samples each
 /// pixel's own. @param fall of errors
 rsv_status rsv_sample_sum_filter(rsv_context *context, rsv_sample_sum *sum, double fall);
-
-/// Relative MSE by noise of the filtered picture.
-double rsv_filtered_noise(const rsv_sample_sum *sum);
 
 /// The picture: filtered, if passes have guides and there are two of them.
 /// @param image out: of the passes' layers, guides left out

@@ -85,6 +85,8 @@ static rsv_status take_first(rsv_planner *p, double seconds, double *of_one)
         *of_one = now_of(p) - before;
         before += *of_one;
     }
+    if (status == RSV_OK && p->sum.samples > 1 && !is_path_traced(p))
+        status = rsv_sample_sum_filter(p->context, &p->sum, RSV_STRATIFIED_FALL);
     if (status == RSV_OK && p->sum.samples > 1)
         p->plan.noise = rsv_sample_sum_noise(&p->sum, is_path_traced(p) ? 1 : RSV_STRATIFIED_FALL);
     return status;

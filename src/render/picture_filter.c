@@ -28,16 +28,20 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_picture_filter(rsv_context *context, rsv_image *const half[2], rsv_image **image)
+rsv_image *rsv_picture_of_halves(rsv_image *filtered[2])
 {
-    rsv_image *filtered[2];
-    rsv_status status = rsv_picture_filter_halves(context, half, filtered);
-    if (status != RSV_OK) return status;
     size_t pixels = (size_t)rsv_image_width(filtered[0]) * rsv_image_height(filtered[0]);
     rsv_rgb *a = rsv_image_pixels(filtered[0], 0), *b = rsv_image_pixels(filtered[1], 0);
     for (size_t k = 0; k < pixels; k++)
         a[k] = rgb_positive(rgb_scale(rgb_add(a[k], b[k]), 0.5f));
-    *image = filtered[0];
     rsv_image_destroy(filtered[1]);
-    return RSV_OK;
+    return filtered[0];
+}
+
+rsv_status rsv_picture_filter(rsv_context *context, rsv_image *const half[2], rsv_image **image)
+{
+    rsv_image *filtered[2];
+    rsv_status status = rsv_picture_filter_halves(context, half, filtered);
+    if (status == RSV_OK) *image = rsv_picture_of_halves(filtered);
+    return status;
 }

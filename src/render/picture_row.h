@@ -32,7 +32,7 @@ typedef struct rsv_picture_job {
     uint32_t parts, part;   ///< camera rays are dealt out to so many pictures, of which this is one
     uint32_t before;        ///< camera rays per pixel that are in the image already
     bool gathers_sources;   ///< gather rays bring what else surfaces store of light from sources
-    uint32_t gather_seed;   ///< of gather rays, besides the pass's
+    uint32_t gather_seed;   ///< of the pattern of gather rays; 0: parts share one
     const uint8_t *where;   ///< [height * width] pixels whose light is gathered; NULL = all
 } rsv_picture_job;
 

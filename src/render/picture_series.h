@@ -13,7 +13,7 @@ rsv_status rsv_picture_series_create(
 /// @param series NULL is allowed
 void rsv_picture_series_destroy(rsv_picture_series *series);
 
-/// Where gather rays bring light, and what they bring.
+/// What light gather rays bring.
 typedef enum rsv_gathered {
     /// Indirect light, if the description has gather rays. What elements store of light from sources (that no shadow
     /// ray finds) is looked up, with the elements' error.
