@@ -78,7 +78,7 @@ rsv_status rsv_sample_sum_part(rsv_context *context, rsv_sample_sum *sum, double
 {
     size_t pixels = (size_t)rsv_image_width(sum->mean) * rsv_image_height(sum->mean);
     uint32_t first = 2 * sum->half_samples;
-    double to_one = rsv_error_of_halves(fall) * pow(first, fall), left = pow(sum->samples, -fall);
+    double to_one = RSV_ERROR_OF_HALVES * pow(first, fall), left = pow(sum->samples, -fall);
     if (sum->pixel) return RSV_OK;
     float *square = rsv_alloc(context, pixels, sizeof *square);
     sum->pixel = rsv_alloc(context, pixels, sizeof *sum->pixel);
@@ -108,7 +108,7 @@ static void count_samples(
     pixel->taken += more;
     pixel->left = (float)left;
     if (more < 2) return;
-    double scale = rsv_error_of_halves(fall) * pow(more, fall);
+    double scale = RSV_ERROR_OF_HALVES * pow(more, fall);
     float share = (float)more / (float)(pixel->looks += more);
     pixel->variance += share * ((float)(scale * (double)square) - pixel->variance);
 }
@@ -215,7 +215,7 @@ double rsv_sample_sum_noise(const rsv_sample_sum *sum, double fall)
     const rsv_pixel_error_desc each = { .most = RSV_MOST_OF_A_PIXEL };
     double uncertainty, square = rsv_pixel_error(first, second, each, &uncertainty);
     double more = (double)sum->samples / (2 * (double)sum->half_samples);
-    return rsv_error_of_halves(fall) * square * pow(more, -fall);
+    return RSV_ERROR_OF_HALVES * square * pow(more, -fall);
 }
 
 uint32_t rsv_samples_for(double excess, uint32_t samples, double fall, uint32_t most)
