@@ -35,21 +35,6 @@ struct rsv_photon_log {
     size_t chunk_count;
 };
 
-// ---- arrays that grow -----------------------------------------------------------------------------
-
-static bool grow(rsv_context *context, void **array, size_t *room, size_t used, size_t size)
-{
-    if (used < *room) return true;
-    size_t more = used + used / 2 + 256;
-    void *larger = rsv_reserve(context, more, size);
-    if (!larger) return false;
-    if (used) memcpy(larger, *array, used * size);
-    rsv_free(context, *array);
-    *array = larger;
-    *room = more;
-    return true;
-}
-
 static void free_chunk(rsv_context *context, photon_chunk *c)
 {
     rsv_free(context, c->photon);
@@ -78,22 +63,24 @@ typedef struct flight {
 static void add_point(flight *f, rsv_vec3 at)
 {
     photon_chunk *c = f->to;
-    void **points = (void **)&c->point;
-    f->complete =
-        f->complete && grow(f->context, points, &c->point_room, c->point_count, sizeof *c->point);
+    f->complete = f->complete && rsv_grow(f->context, (void **)&c->point, &c->point_room,
+                                     c->point_count + 1, sizeof *c->point) == RSV_OK;
     if (f->complete) c->point[c->point_count++] = at;
 }
 
-static void add_landing(flight *f, const rsv_photon *photon)
+static void add_landing(flight *f, landing at)
 {
     photon_chunk *c = f->to;
+    f->complete = f->complete && rsv_grow(f->context, (void **)&c->landed, &c->landed_room,
+                                     c->landed_count + 1, sizeof *c->landed) == RSV_OK;
+    if (f->complete) c->landed[c->landed_count++] = at;
+}
+
+static landing landing_of(const flight *f, const rsv_photon *photon)
+{
     const rsv_specular_path *path = &photon->path;
-    void **landed = (void **)&c->landed;
-    f->complete = f->complete &&
-                  grow(f->context, landed, &c->landed_room, c->landed_count, sizeof *c->landed);
-    if (!f->complete) return;
     rsv_rgb flux = rgb_mul(photon->flux, path->weight);
-    c->landed[c->landed_count++] = (landing){ 2 * path->triangle + path->back, path->u, path->v,
+    return (landing){ 2 * path->triangle + path->back, path->u, path->v,
         rsv_photon_enter(f->scene, path, flux) };
 }
 
@@ -140,7 +127,7 @@ static uint64_t shoot(flight *f, const rsv_photon_log *log, uint32_t source, uin
         f, met ? point_of(f->scene, &photon.path) : point_outside(f->scene, e.origin, e.direction));
     while (goes_on && step(f, &photon)) {
         if (photon.path.turns > 0)
-            add_landing(f, &photon);
+            add_landing(f, landing_of(f, &photon));
         else
             goes_on =
                 rsv_is_specular(&f->scene->bsdf[rsv_specular_material(f->scene, &photon.path)]);
@@ -185,14 +172,10 @@ static bool is_met(const rsv_vec3 *point, uint32_t points, const rsv_scene_chang
 static void copy_photon(
     flight *f, const photon_chunk *from, size_t point, size_t landed, photon_entry entry)
 {
-    photon_chunk *c = f->to;
     for (uint32_t k = 0; k < entry.points; k++)
         add_point(f, from->point[point + k]);
-    void **array = (void **)&c->landed;
-    for (uint32_t k = 0; k < entry.landings && f->complete; k++) {
-        f->complete = grow(f->context, array, &c->landed_room, c->landed_count, sizeof *c->landed);
-        if (f->complete) c->landed[c->landed_count++] = from->landed[landed + k];
-    }
+    for (uint32_t k = 0; k < entry.landings; k++)
+        add_landing(f, from->landed[landed + k]);
 }
 
 /// Photons as they are now. @param then as they were, and which photons they are @return rays
