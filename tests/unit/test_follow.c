@@ -642,13 +642,14 @@ static rsv_scene *open_door(const stage *s, float angle)
 
 /// Compares light that follows with a new solve. Stored light of a solve has errors of its own where light is steep, in
 /// the doorway: it is 2 % too bright there at this quality, beside paths; what is gathered through it is not.
+/// @param most relative difference of stored light
 static void check_door(
     const rsv_light *light, const rsv_light *fresh, const char *when, double most)
 {
     double stored = mean_below(light, 0.5f) / mean_below(fresh, 0.5f) - 1,
            gathered = mean_gathered(light, 0.5f, 256) / mean_gathered(fresh, 0.5f, 256) - 1;
-    if (fabs(stored) > 0.05) fail_msg("%s: stored light is off by %g", when, stored);
-    if (fabs(gathered) > most) fail_msg("%s: gathered light is off by %g", when, gathered);
+    if (fabs(stored) > most) fail_msg("%s: stored light is off by %g", when, stored);
+    if (fabs(gathered) > 0.005) fail_msg("%s: gathered light is off by %g", when, gathered);
 }
 
 /// A door that opens, nearly shut at first: light floods the dark room.
@@ -668,9 +669,9 @@ static void doors_let_light_in(void **state)
         rsv_scene *there = open_door(&s, angle[k]);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
         rsv_light *fresh = solve(there, &desc);
-        check_door(light, fresh, "moving", 0.005);
+        check_door(light, fresh, "moving", 0.05);
         assert_int_equal(rsv_light_follow(light, there, NULL), RSV_OK);
-        check_door(light, fresh, "at rest", 0.005);
+        check_door(light, fresh, "at rest", 0.03);
         rsv_light_destroy(fresh);
         rsv_scene_destroy(there);
     }
