@@ -86,7 +86,7 @@ static double noise_of(const rsv_planner *p, const rsv_image *const half[2], con
     const rsv_image *const first[2] = { half[0], half[0] }, *const second[2] = { half[1], half[1] };
     const rsv_pixel_error_desc desc = { RSV_MOST_OF_A_PIXEL, light, count };
     double unused;
-    return 0.25 * rsv_pixel_error(first, second, desc, &unused);
+    return RSV_ERROR_OF_HALVES * rsv_pixel_error(first, second, desc, &unused);
 }
 
 /// Compares both halves with the same gathered. The difference, apart from noise, is the elements' error.

@@ -39,7 +39,8 @@ static void find_error(const rsv_sample_sum *sum, rsv_image *const filtered[2], 
     average(square, width, height, sum->filtered_error);
     for (size_t k = 0; k < pixels; k++) {
         float before = sum->kept[k];
-        sum->filtered_error[k] *= 0.25f * (1 + BLUR / (float)sum->pixel[k].taken);
+        sum->filtered_error[k] *=
+            (float)RSV_ERROR_OF_HALVES * (1 + BLUR / (float)sum->pixel[k].taken);
         sum->kept[k] = before > 0 ? sum->filtered_error[k] / before : 0;
     }
 }

@@ -24,15 +24,17 @@ typedef enum rsv_gathered {
 
 /// One of the pictures. All zero: one like any other.
 typedef struct rsv_picture_pass {
-    const uint32_t *
-        count; ///< [height * width] camera rays of each pixel, borrowed; NULL: the same number in all
-    const uint8_t *where; ///< [height * width] 1 for pixels that gather, borrowed; NULL = all
+    /// [height * width] camera rays of each pixel, borrowed; NULL: the same number in all
+    const uint32_t *count;
+    /// [height * width] 1 for pixels that gather, borrowed; NULL = all
+    const uint8_t *where;
     rsv_gathered gathered;
-    bool
-        is_half; ///< whether it has every other one of the camera rays: the two halves make one stratified picture
-    uint32_t half; ///< which: 0, the larger one of odd numbers, or 1
-    bool
-        is_alone; ///< gather rays of the halves are independent: no correlation of their noise, which is larger together
+    /// Every other one of the camera rays: two halves make one stratified picture
+    bool is_half;
+    /// Which one: 0, the larger of odd numbers, or 1
+    uint32_t half;
+    /// Gather rays of each half have a pattern of their own: independent noise, as comparisons need; the mean is noisier
+    bool is_alone;
 } rsv_picture_pass;
 
 /// Renders one of the pictures.
